@@ -1,0 +1,2 @@
+//! Fluid.
+pub mod setup;

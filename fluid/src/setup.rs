@@ -1,0 +1,100 @@
+//! What a fluid is asked to be: geometry, water, numerics. Plain data, validated elsewhere.
+
+use nalgebra::{Point2, Vector2};
+use serde::{Deserialize, Serialize};
+
+/// The set-up of a [`crate::Fluid`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FluidSetup {
+    /// The tank: fixed walls at x = 0 and x = `length`, a bed at y = 0.
+    pub tank: Tank,
+    /// The water in it.
+    pub water: Water,
+    /// Rigid boundaries, in the order of the component's interface.
+    pub boundaries: Vec<RigidBoundary>,
+    /// Zones in which the velocity is damped.
+    pub damping_zones: Vec<DampingZone>,
+    /// Numerical parameters.
+    pub numerics: Numerics,
+}
+
+/// A rectangular tank.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tank {
+    /// Length, m.
+    pub length: f64,
+    /// Height of the side walls, m.
+    pub height: f64,
+}
+
+/// The water at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Water {
+    /// Still-water depth D, m.
+    pub depth: f64,
+    /// Density ρ, kg/m³.
+    pub density: f64,
+    /// Kinematic viscosity ν, m²/s; 0 for an inviscid fluid.
+    pub kinematic_viscosity: f64,
+    /// Gravitational acceleration g, m/s², downwards.
+    pub gravity: f64,
+    /// The surface at the start.
+    pub initial_surface: InitialSurface,
+}
+
+/// The free surface at the start; the water is at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum InitialSurface {
+    /// Flat at the still-water depth.
+    Still,
+    /// η = a cos(k x) plus its second-order bound harmonics (Wu & Taylor 1994), k = π n / L.
+    StandingWave {
+        /// First-order amplitude a, m.
+        amplitude: f64,
+        /// Number n of half wavelengths in the tank.
+        half_waves: u32,
+    },
+}
+
+/// A rigid boundary: a simple polygon that moves as a rigid body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RigidBoundary {
+    /// Name, used in variable names.
+    pub name: String,
+    /// Corners, counter-clockwise, relative to the reference point at angle 0, m.
+    pub corners: Vec<Vector2<f64>>,
+    /// Reference point (centre of mass) at the start, m.
+    pub position: Point2<f64>,
+    /// Angle at the start, rad.
+    pub angle: f64,
+    /// Whether its acceleration is unknown before the step is solved. A held or prescribed
+    /// boundary needs no added mass.
+    pub free: bool,
+}
+
+/// A zone with u ← u / (1 + γ(x) dt), γ rising from 0 at `inner_x` to its maximum at `outer_x`
+/// in the shape of Wei & Kirby (1995), (exp(s²) − 1)/(e − 1).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DampingZone {
+    /// Where the damping begins, m.
+    pub inner_x: f64,
+    /// Where it is strongest, m.
+    pub outer_x: f64,
+    /// Maximum damping rate γ, 1/s.
+    pub rate: f64,
+}
+
+/// Numerical parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Numerics {
+    /// Initial particle spacing dx, m.
+    pub particle_spacing: f64,
+    /// Time step dt, s.
+    pub time_step: f64,
+    /// Blending coefficient α of Eq. (9b).
+    pub density_blend: f64,
+    /// Stop of the pressure solve: residual relative to the right-hand side.
+    pub pressure_tolerance: f64,
+    /// Iterations after which the pressure solve has failed.
+    pub pressure_max_iterations: usize,
+}
