@@ -1,0 +1,108 @@
+//! The engine interface: what moves a set of rigid bodies.
+
+use crate::{BodyError, BodyProperties};
+use nalgebra::DMatrix;
+use seakeep_coupler::interface::BoundaryKinematics;
+
+/// Writes the accelerations of all bodies for their kinematics.
+pub type AccelerationOf<'a> =
+    dyn FnMut(&[BoundaryKinematics], &mut [f64]) -> Result<(), BodyError> + 'a;
+
+/// Moves one set of rigid bodies. It knows inertia, constraints and contacts; loads reach it as
+/// accelerations only, because with added mass only the caller can turn one into the other.
+///
+/// Accelerations are laid out as `[x (m/s²), y (m/s²), angle (rad/s²)]` a body.
+pub trait RigidBodyEngine: Send {
+    /// Name, such as `rapier2d`.
+    fn name(&self) -> &'static str;
+
+    /// Replaces the engine's bodies by these, at their start.
+    ///
+    /// # Errors
+    /// When the engine cannot hold such a body.
+    fn set_bodies(&mut self, bodies: &[BodyProperties]) -> Result<(), BodyError>;
+
+    /// Mass matrix M, square with three rows a body: kg/m, kg, kg m²/m.
+    fn mass_matrix(&self) -> &DMatrix<f64>;
+
+    /// Kinematics of every body; the acceleration is the one of the last kick.
+    fn kinematics(&self) -> &[BoundaryKinematics];
+
+    /// Sets the kinematics of every body.
+    ///
+    /// # Errors
+    /// [`BodyError::Length`].
+    fn set_kinematics(&mut self, kinematics: &[BoundaryKinematics]) -> Result<(), BodyError>;
+
+    /// Moves every body for `duration` (s) without load: r ← r + V `duration`. Contacts and
+    /// joints of the engine act here.
+    ///
+    /// # Errors
+    /// When a body leaves the range of finite numbers.
+    fn drift(&mut self, duration: f64) -> Result<(), BodyError>;
+
+    /// Changes the velocities by constant `accelerations` over `duration` (s): V ← V + a
+    /// `duration`.
+    ///
+    /// # Errors
+    /// [`BodyError::Length`].
+    fn kick(&mut self, accelerations: &[f64], duration: f64) -> Result<(), BodyError>;
+
+    /// The whole state; [`restore`](Self::restore) with it repeats a step to the bit.
+    ///
+    /// # Errors
+    /// When it cannot be serialized.
+    fn save(&self) -> Result<Vec<u8>, BodyError>;
+
+    /// Restores what [`save`](Self::save) of an equal engine returned.
+    ///
+    /// # Errors
+    /// When it is not such a state. The engine is then unchanged.
+    fn restore(&mut self, state: &[u8]) -> Result<(), BodyError>;
+
+    /// One drift-kick-drift step of `duration` (s). `accelerate` is called once, with the
+    /// kinematics at the midpoint, and writes the accelerations.
+    ///
+    /// # Errors
+    /// Those of `accelerate`, [`drift`](Self::drift) and [`kick`](Self::kick).
+    fn advance(
+        &mut self,
+        duration: f64,
+        accelerations: &mut [f64],
+        accelerate: &mut AccelerationOf<'_>,
+    ) -> Result<(), BodyError> {
+        self.drift(0.5 * duration)?;
+        accelerate(self.kinematics(), accelerations)?;
+        self.kick(accelerations, duration)?;
+        self.drift(0.5 * duration)
+    }
+}
+
+/// The mass matrix of bodies that nothing joins.
+pub(crate) fn free_mass_matrix(bodies: &[BodyProperties]) -> DMatrix<f64> {
+    let diagonal: Vec<f64> = bodies.iter().flat_map(BodyProperties::diagonal_mass).collect();
+    DMatrix::from_diagonal(&diagonal.into())
+}
+
+/// Checks a number of values against the number the engine needs.
+pub(crate) fn check_length(
+    quantity: &'static str,
+    actual: usize,
+    expected: usize,
+) -> Result<(), BodyError> {
+    if actual == expected { Ok(()) } else { Err(BodyError::Length { quantity, actual, expected }) }
+}
+
+/// V ← V + a `duration`, with the acceleration noted.
+pub(crate) fn kicked(
+    body: &BoundaryKinematics,
+    acceleration: &[f64],
+    duration: f64,
+) -> BoundaryKinematics {
+    let mut new = *body;
+    new.acceleration.copy_from_slice(&acceleration[..2]);
+    new.angular_acceleration = acceleration[2];
+    new.velocity += new.acceleration * duration;
+    new.angular_velocity += new.angular_acceleration * duration;
+    new
+}
