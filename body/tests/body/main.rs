@@ -1,0 +1,7 @@
+//! Tests of the rigid bodies: alone, and coupled by the master to an analytic load.
+
+mod common;
+mod coupled;
+mod free_motion;
+mod refusals;
+mod state;
