@@ -193,7 +193,7 @@ fn power_bond_residual_shows_a_wrong_derivative() {
     }
 }
 
-/// Not a check: what a step costs, in µs. Run with `--release --ignored --nocapture`.
+/// Not a check: what a step costs, in µs. Run with `--ignored --nocapture`.
 #[test]
 #[ignore = "a timing"]
 fn cost_of_a_step() {

@@ -119,6 +119,11 @@ fn foreign_and_damaged_states_are_refused() {
         assert!(matches!(bodies.set_state(&foreign), Err(ComponentError::State { .. })));
         assert!(matches!(bodies.set_state(&cut), Err(ComponentError::State { .. })));
         assert!(matches!(alone.set_state(&good), Err(ComponentError::State { .. })));
+        for place in (0..good.bytes.len()).step_by(37) {
+            let mut damaged = good.clone();
+            damaged.bytes[place] ^= 16;
+            assert!(matches!(bodies.set_state(&damaged), Err(ComponentError::State { .. })));
+        }
         bodies.set_state(&good).expect("unharmed");
     }
 }
