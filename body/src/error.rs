@@ -35,6 +35,12 @@ pub enum BodyError {
         /// The velocity, m/s or rad/s.
         value: f64,
     },
+    /// A gravity that is NaN or infinite.
+    #[error("gravity = {value} m/s2 is not finite")]
+    Gravity {
+        /// The value, m/s².
+        value: f64,
+    },
     /// A body number that does not exist.
     #[error("there is no body number {index}: there are {count}")]
     UnknownBody {

@@ -11,6 +11,24 @@
 //! 2. kick: (M + A) a = F₀ + F_own(r), V ← V + a h;
 //! 3. drift: r ← r + V h/2.
 //!
+//! ```
+//! use nalgebra::Point2;
+//! use seakeep_body::{BodyProperties, LinearSpring, RapierEngine, RigidBodies};
+//! use seakeep_coupler::interface::{Component, MotionComponent};
+//!
+//! // A box of 42 kg/m released 0.05 m above its rest on a spring in heave.
+//! let body = BodyProperties::new("box", 42.0, 1.5, Point2::new(0.0, 0.05));
+//! let mut bodies = RigidBodies::new(vec![body], 0.0, Box::new(RapierEngine::new()))?;
+//! let spring = LinearSpring::diagonal(0.0, 3924.0, 0.0, Point2::origin());
+//! bodies.add_own_load(0, Box::new(spring))?;
+//!
+//! bodies.enter_initialization_mode(0.0)?;
+//! bodies.exit_initialization_mode()?;
+//! bodies.do_step(0.0, 0.01)?;
+//! assert!(bodies.kinematics()[0].velocity.y < 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Frame: x along the waves, y up, angles counter-clockwise; SI; per metre of width.
 
 mod balance;

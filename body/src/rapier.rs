@@ -1,10 +1,11 @@
 //! The rapier2d engine.
 //!
-//! rapier2d is a game engine; as measured for this project, it is a clean integrator only if told
-//! to be one: one solver iteration (four, its default, add 1 % of amplitude a cycle), no world
-//! gravity, no sleeping, no substeps of its continuous collision detection, no speed limits. It
-//! does the drifts, where later its contacts and joints act; the kicks change velocities from
-//! outside, since with added mass only the coupled system knows the acceleration.
+//! rapier2d is a game engine, told here to be a plain integrator: no world gravity, no sleeping,
+//! no substeps of its continuous collision detection, no speed limits. It does the drifts, where
+//! later its contacts and joints act. The kicks change velocities from outside, since with added
+//! mass only the coupled system knows the acceleration; so rapier never integrates a load, and
+//! the amplitude that its solver iterations add to a swinging body under `add_force` (measured:
+//! 1 % a cycle with its default of four) cannot arise. One iteration is the cheapest.
 //!
 //! rapier2d turns a body by atan(Ω t) in a drift of t instead of Ω t. The difference, Ω³ t³/3, is
 //! of second order over a run and leaves the scheme symplectic.

@@ -272,7 +272,7 @@ impl FixedStepMaster {
     }
 
     /// Ends the co-simulation. Outputs of the components stay readable.
-    pub fn finish(self, load: &mut dyn LoadComponent, motion: Option<&mut dyn MotionComponent>) {
+    pub fn finish(&self, load: &mut dyn LoadComponent, motion: Option<&mut dyn MotionComponent>) {
         load.terminate();
         if let Some(motion) = motion {
             motion.terminate();

@@ -1,7 +1,7 @@
 //! The rigid bodies as a co-simulation component.
 
 use super::{Motion, NAME, Phase, RigidBodies};
-use crate::{BodyError, variables};
+use crate::variables;
 use seakeep_coupler::interface::{
     BoundaryKinematics, Component, ComponentError, ComponentState, Description, Load, LoadResponse,
     MotionComponent, ValueReference,
@@ -46,13 +46,11 @@ impl Component for RigidBodies {
     fn enter_initialization_mode(&mut self, start_time: f64) -> Result<(), ComponentError> {
         self.require(Phase::Instantiated, "enter_initialization_mode")?;
         if !start_time.is_finite() {
-            let source = BodyError::NotFinite {
-                body: NAME.to_owned(),
-                quantity: "start time",
+            return Err(ComponentError::NotFinite {
+                component: NAME.to_owned(),
+                variable: "start time".to_owned(),
                 value: start_time,
-            };
-            let component = NAME.to_owned();
-            return Err(ComponentError::Initialization { component, source: source.into() });
+            });
         }
         self.motion.time = start_time;
         self.phase = Phase::Initialization;

@@ -73,12 +73,7 @@ impl RigidBodies {
     ) -> Result<Self, BodyError> {
         validate_all(&bodies)?;
         if !gravity.is_finite() {
-            return Err(BodyError::Property {
-                body: NAME.to_owned(),
-                property: "gravity (m/s2)",
-                value: gravity,
-                allowed: "finite",
-            });
+            return Err(BodyError::Gravity { value: gravity });
         }
         engine.set_bodies(&bodies)?;
         let motion = Motion {

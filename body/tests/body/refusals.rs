@@ -49,7 +49,7 @@ fn bad_properties() {
         assert!(matches!(error, BodyError::Property { .. }), "{error:?}");
         assert!(error.to_string().starts_with(&format!("body box: {property}")), "{error}");
     }
-    assert!(matches!(refused(vec![body()], f64::NAN), BodyError::Property { .. }));
+    assert!(matches!(refused(vec![body()], f64::NAN), BodyError::Gravity { .. }));
     assert!(matches!(refused(vec![body(), body()], 9.81), BodyError::Name { .. }));
     let nameless = BodyProperties { name: String::new(), ..body() };
     assert!(matches!(refused(vec![nameless], 9.81), BodyError::Name { .. }));
@@ -126,7 +126,7 @@ fn bad_calls() {
     assert!(matches!(bodies.do_step(0.0, 0.01), Err(ComponentError::CallSequence { .. })));
     assert!(matches!(
         bodies.enter_initialization_mode(f64::NAN),
-        Err(ComponentError::Initialization { .. })
+        Err(ComponentError::NotFinite { .. })
     ));
     let mut bodies = started();
     for (now, expected) in [(0.5, "stands at"), (f64::NAN, "stands at")] {
