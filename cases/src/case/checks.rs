@@ -1,0 +1,211 @@
+//! Range checks: every number of a case on its own.
+
+use super::source::Source;
+use super::{BodyKeys, CaseKeys, Problem};
+use std::collections::HashSet;
+use std::fmt;
+
+/// Time steps that a run may have: beyond this the case is a mistake.
+const MAX_STEPS: f64 = 1e9;
+
+/// An allowed range of a finite number.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Allowed {
+    low: f64,
+    low_included: bool,
+    high: f64,
+}
+
+impl Allowed {
+    /// `low < value <= high`
+    pub(super) const fn above(low: f64, high: f64) -> Self {
+        Self { low, low_included: false, high }
+    }
+
+    /// `low <= value <= high`
+    pub(super) const fn from(low: f64, high: f64) -> Self {
+        Self { low, low_included: true, high }
+    }
+
+    fn holds(self, value: f64) -> bool {
+        let low = if self.low_included { value >= self.low } else { value > self.low };
+        low && value <= self.high && value.is_finite()
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.low > f64::NEG_INFINITY {
+            write!(f, "{} {}", if self.low_included { "at least" } else { "above" }, self.low)?;
+        }
+        match (self.low > f64::NEG_INFINITY, self.high < f64::INFINITY) {
+            (true, true) => write!(f, " and at most {}", self.high),
+            (false, true) => write!(f, "at most {}", self.high),
+            (true, false) => Ok(()),
+            (false, false) => write!(f, "a finite number"),
+        }
+    }
+}
+
+const POSITIVE: Allowed = Allowed::above(0.0, f64::INFINITY);
+const NOT_NEGATIVE: Allowed = Allowed::from(0.0, f64::INFINITY);
+const FINITE: Allowed = Allowed::from(f64::NEG_INFINITY, f64::INFINITY);
+
+/// Collects problems.
+pub(super) struct Checker<'a> {
+    source: &'a Source,
+    pub(super) problems: Vec<Problem>,
+}
+
+impl<'a> Checker<'a> {
+    pub(super) fn new(source: &'a Source) -> Self {
+        Self { source, problems: Vec::new() }
+    }
+
+    /// Reports `message` for `key` unless `holds`.
+    pub(super) fn require(&mut self, holds: bool, key: &str, message: impl FnOnce() -> String) {
+        if !holds {
+            self.problems.push(self.source.problem(key, message()));
+        }
+    }
+
+    /// Reports a number outside its range.
+    pub(super) fn number(&mut self, key: &str, value: f64, allowed: Allowed) {
+        self.require(allowed.holds(value), key, || format!("{value} must be {allowed}"));
+    }
+
+    fn numbers(&mut self, key: &str, values: &[f64], allowed: Allowed) {
+        for (index, value) in values.iter().enumerate() {
+            self.number(&format!("{key}[{index}]"), *value, allowed);
+        }
+    }
+
+    /// Names become table cells and topics.
+    fn names<'n>(&mut self, list: &str, names: impl Iterator<Item = &'n str>) {
+        let mut seen = HashSet::new();
+        for (index, name) in names.enumerate() {
+            let key = format!("{list}[{index}].name");
+            let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+            self.require(!name.is_empty() && name.chars().all(plain), &key, || {
+                format!("\"{name}\" must consist of letters, digits, _ and -")
+            });
+            self.require(seen.insert(name), &key, || {
+                format!("\"{name}\" is the name of another {list} too")
+            });
+        }
+    }
+}
+
+/// All numbers outside their ranges, and names that cannot be used.
+pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
+    let mut check = Checker::new(source);
+    let (tank, water, numerics) = (&keys.tank, &keys.water, &keys.numerics);
+    // One problem is reported once: a wrong tank is no reason to complain of what stands in it.
+    let within_tank = |size: f64| Allowed::from(0.0, if size > 0.0 { size } else { f64::INFINITY });
+    check.number("tank.length_m", tank.length_m, Allowed::above(0.0, 1e4));
+    check.number("tank.height_m", tank.height_m, Allowed::above(0.0, 1e4));
+    check.number("water.depth_m", water.depth_m, Allowed::above(0.0, 1e4));
+    check.number("water.density_kg_m3", water.density_kg_m3, POSITIVE);
+    check.number("water.kinematic_viscosity_m2_s", water.kinematic_viscosity_m2_s, NOT_NEGATIVE);
+    check.number("water.gravity_m_s2", water.gravity_m_s2, POSITIVE);
+    if let Some(wave) = &water.standing_wave {
+        let allowed = Allowed::above(0.0, 0.5 * water.depth_m.max(0.0));
+        check.number("water.standing_wave.amplitude_m", wave.amplitude_m, allowed);
+        let allowed = Allowed::from(1.0, 1000.0);
+        check.number("water.standing_wave.half_waves", f64::from(wave.half_waves), allowed);
+    }
+    let spacing = numerics.particle_spacing_m;
+    check.number("numerics.particle_spacing_m", spacing, POSITIVE);
+    if let Some(step) = numerics.time_step_s {
+        // The stiffest surface mode has ω² = π g / dx; explicit stepping needs ω dt < 2.
+        let stiffest = (std::f64::consts::PI * water.gravity_m_s2 / spacing).sqrt();
+        let limit = if stiffest > 0.0 { 2.0 / stiffest } else { f64::INFINITY };
+        check.number("numerics.time_step_s", step, Allowed::above(0.0, limit));
+    }
+    check.number("numerics.density_blend", numerics.density_blend, Allowed::from(0.0, 1.0));
+    let allowed = Allowed::from(1e-14, 0.1);
+    check.number("numerics.pressure_tolerance", numerics.pressure_tolerance, allowed);
+    let iterations = f64::from(numerics.pressure_max_iterations);
+    check.number("numerics.pressure_max_iterations", iterations, Allowed::from(1.0, 1e6));
+    let step = numerics.time_step_s.unwrap_or(super::resolve::default_time_step(spacing));
+    let allowed = if step > 0.0 { Allowed::above(0.0, MAX_STEPS * step) } else { POSITIVE };
+    check.number("end_time_s", keys.end_time_s, allowed);
+    check.number("output.series_interval_s", keys.output.series_interval_s, NOT_NEGATIVE);
+    check.number("output.frame_interval_s", keys.output.frame_interval_s, NOT_NEGATIVE);
+    for (index, body) in keys.body.iter().enumerate() {
+        check_body(&mut check, &format!("body[{index}]"), body);
+    }
+    check.names("body", keys.body.iter().map(|body| body.name.as_str()));
+    check.names("gauge", keys.gauge.iter().map(|gauge| gauge.name.as_str()));
+    check.names("probe", keys.probe.iter().map(|probe| probe.name.as_str()));
+    for (index, gauge) in keys.gauge.iter().enumerate() {
+        let key = format!("gauge[{index}].x_m");
+        check.number(&key, gauge.x_m, within_tank(tank.length_m));
+    }
+    for (index, probe) in keys.probe.iter().enumerate() {
+        check.number(&format!("probe[{index}].x_m"), probe.x_m, within_tank(tank.length_m));
+        check.number(&format!("probe[{index}].y_m"), probe.y_m, within_tank(tank.height_m));
+    }
+    for (index, zone) in keys.damping_zone.iter().enumerate() {
+        let key = |name: &str| format!("damping_zone[{index}].{name}");
+        let allowed = within_tank(tank.length_m);
+        check.number(&key("inner_x_m"), zone.inner_x_m, allowed);
+        check.number(&key("outer_x_m"), zone.outer_x_m, allowed);
+        check.number(&key("rate_per_s"), zone.rate_per_s, POSITIVE);
+        check.require(zone.inner_x_m != zone.outer_x_m, &key("outer_x_m"), || {
+            format!("{} must differ from inner_x_m", zone.outer_x_m)
+        });
+    }
+    check.problems
+}
+
+fn check_body(check: &mut Checker<'_>, prefix: &str, body: &BodyKeys) {
+    let key = |name: &str| format!("{prefix}.{name}");
+    check.numbers(&key("position_m"), &body.position_m, FINITE);
+    if let Some(equilibrium) = &body.equilibrium_m {
+        check.numbers(&key("equilibrium_m"), equilibrium, FINITE);
+    }
+    check.number(&key("angle_deg"), body.angle_deg, Allowed::from(-360.0, 360.0));
+    check.require(
+        body.rectangle.is_some() != body.corners_m.is_some(),
+        &key(if body.corners_m.is_some() { "corners_m" } else { "box" }),
+        || "the shape must be given once: either box or corners_m".to_owned(),
+    );
+    if let Some(rectangle) = &body.rectangle {
+        check.number(&key("box.width_m"), rectangle.width_m, POSITIVE);
+        check.number(&key("box.height_m"), rectangle.height_m, POSITIVE);
+        check.numbers(&key("box.centre_of_mass_m"), &rectangle.centre_of_mass_m, FINITE);
+    }
+    if let Some(corners) = &body.corners_m {
+        check.require(corners.len() >= 3, &key("corners_m"), || {
+            format!("{} corners, there must be at least 3", corners.len())
+        });
+        for (index, corner) in corners.iter().enumerate() {
+            check.numbers(&format!("{prefix}.corners_m[{index}]"), corner, FINITE);
+        }
+    }
+    let optional = [
+        ("mass_kg_m", body.mass_kg_m),
+        ("inertia_kg_m2_m", body.inertia_kg_m2_m),
+        ("density_kg_m3", body.density_kg_m3),
+    ];
+    for (name, value) in optional {
+        if let Some(value) = value {
+            check.number(&key(name), value, POSITIVE);
+        }
+    }
+    let (mass, inertia) = (body.mass_kg_m.is_some(), body.inertia_kg_m2_m.is_some());
+    let once = match body.density_kg_m3 {
+        Some(_) => !mass && !inertia,
+        None => mass && inertia,
+    };
+    let at = if body.density_kg_m3.is_some() { "density_kg_m3" } else { "mass_kg_m" };
+    check.require(once, &key(at), || {
+        "the mass must be given once: either mass_kg_m and inertia_kg_m2_m, or density_kg_m3"
+            .to_owned()
+    });
+    let distinct: HashSet<_> = body.free.iter().map(|d| format!("{d:?}")).collect();
+    check.require(distinct.len() == body.free.len(), &key("free"), || {
+        "a direction is named twice".to_owned()
+    });
+}

@@ -1,0 +1,279 @@
+//! The keys of a case file, exactly as they are written: units in the names, nothing derived.
+//!
+//! Every key, its unit, default and range is described in `docs/cases.md`.
+
+use serde::{Deserialize, Serialize};
+
+/// A case file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseKeys {
+    /// One line for `seakeep list`.
+    #[serde(default)]
+    pub description: String,
+    /// Simulated time, s.
+    pub end_time_s: f64,
+    /// The tank.
+    pub tank: TankKeys,
+    /// The water.
+    pub water: WaterKeys,
+    /// Resolution and solver.
+    pub numerics: NumericsKeys,
+    /// What is written.
+    #[serde(default)]
+    pub output: OutputKeys,
+    /// Rigid bodies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub body: Vec<BodyKeys>,
+    /// Wave gauges.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gauge: Vec<GaugeKeys>,
+    /// Pressure probes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probe: Vec<ProbeKeys>,
+    /// Zones that absorb waves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub damping_zone: Vec<DampingZoneKeys>,
+}
+
+/// `[tank]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TankKeys {
+    /// Distance between the side walls, m.
+    pub length_m: f64,
+    /// Height of the side walls, m.
+    pub height_m: f64,
+}
+
+/// `[water]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaterKeys {
+    /// Still-water depth, m.
+    pub depth_m: f64,
+    /// Density, kg/m³.
+    #[serde(default = "default_density")]
+    pub density_kg_m3: f64,
+    /// Kinematic viscosity, m²/s.
+    #[serde(default)]
+    pub kinematic_viscosity_m2_s: f64,
+    /// Gravitational acceleration, m/s².
+    #[serde(default = "default_gravity")]
+    pub gravity_m_s2: f64,
+    /// A standing wave at the start; without it the water is still.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub standing_wave: Option<StandingWaveKeys>,
+}
+
+/// `[water.standing_wave]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StandingWaveKeys {
+    /// First-order amplitude, m.
+    pub amplitude_m: f64,
+    /// Half wavelengths in the tank.
+    pub half_waves: u32,
+}
+
+/// `[numerics]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NumericsKeys {
+    /// Initial particle spacing, m.
+    pub particle_spacing_m: f64,
+    /// Time step, s; without it 0.1 s/m times the spacing.
+    pub time_step_s: Option<f64>,
+    /// Blending coefficient α of Eq. (9b).
+    #[serde(default = "default_density_blend")]
+    pub density_blend: f64,
+    /// Residual at which the pressure solve stops, relative to the right-hand side.
+    #[serde(default = "default_pressure_tolerance")]
+    pub pressure_tolerance: f64,
+    /// Iterations after which the pressure solve has failed.
+    #[serde(default = "default_pressure_max_iterations")]
+    pub pressure_max_iterations: u32,
+}
+
+/// `[output]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputKeys {
+    /// Time between two rows of a table, s; 0 for every step.
+    pub series_interval_s: f64,
+    /// Time between two particle frames in `run.mcap`, s; 0 for none.
+    pub frame_interval_s: f64,
+    /// The tables to write; those with nothing in them are left out in any case.
+    pub tables: Vec<TableName>,
+    /// Whether `run.mcap` is written.
+    pub mcap: bool,
+    /// Whether a plot (SVG) is drawn at the end.
+    pub plot: bool,
+}
+
+impl Default for OutputKeys {
+    fn default() -> Self {
+        Self {
+            series_interval_s: 0.01,
+            frame_interval_s: 0.05,
+            tables: TableName::ALL.to_vec(),
+            mcap: true,
+            plot: true,
+        }
+    }
+}
+
+/// A table of the output contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TableName {
+    /// `motion.csv`
+    Motion,
+    /// `loads.csv`
+    Loads,
+    /// `gauges.csv`
+    Gauges,
+    /// `probes.csv`
+    Probes,
+    /// `diagnostics.csv`
+    Diagnostics,
+}
+
+impl TableName {
+    /// All tables.
+    pub const ALL: [Self; 5] =
+        [Self::Motion, Self::Loads, Self::Gauges, Self::Probes, Self::Diagnostics];
+
+    /// Name in case files, in topics and before `.csv`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Motion => "motion",
+            Self::Loads => "loads",
+            Self::Gauges => "gauges",
+            Self::Probes => "probes",
+            Self::Diagnostics => "diagnostics",
+        }
+    }
+}
+
+/// `[[body]]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyKeys {
+    /// Name in the tables.
+    #[serde(default = "default_body_name")]
+    pub name: String,
+    /// Shape: a rectangle. Either this or `corners_m`.
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    pub rectangle: Option<BoxKeys>,
+    /// Shape: corners of a simple polygon relative to the centre of mass at angle 0, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corners_m: Option<Vec<[f64; 2]>>,
+    /// Centre of mass at the start, m.
+    pub position_m: [f64; 2],
+    /// Position that sway and heave in `motion.csv` are relative to, m; `position_m` if absent.
+    pub equilibrium_m: Option<[f64; 2]>,
+    /// Angle at the start, degrees, counter-clockwise.
+    #[serde(default)]
+    pub angle_deg: f64,
+    /// Mass, kg/m. Either this and the inertia, or the density.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass_kg_m: Option<f64>,
+    /// Moment of inertia about the centre of mass, kg m²/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inertia_kg_m2_m: Option<f64>,
+    /// Uniform density that mass and inertia follow from, kg/m³.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density_kg_m3: Option<f64>,
+    /// Directions in which it moves; none for a held body.
+    #[serde(default = "all_directions")]
+    pub free: Vec<Direction>,
+}
+
+/// `[body.box]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoxKeys {
+    /// Width (along x at angle 0), m.
+    pub width_m: f64,
+    /// Height (along y at angle 0), m.
+    pub height_m: f64,
+    /// Centre of mass relative to the middle of the box, m.
+    #[serde(default)]
+    pub centre_of_mass_m: [f64; 2],
+}
+
+/// A direction of motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// Along x.
+    Sway,
+    /// Along y.
+    Heave,
+    /// Rotation, counter-clockwise.
+    Roll,
+}
+
+/// `[[gauge]]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GaugeKeys {
+    /// Name in the table.
+    pub name: String,
+    /// Where the elevation is measured, m.
+    pub x_m: f64,
+}
+
+/// `[[probe]]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProbeKeys {
+    /// Name in the table.
+    pub name: String,
+    /// Where the pressure is measured, m.
+    pub x_m: f64,
+    /// Height above the bed, m.
+    pub y_m: f64,
+}
+
+/// `[[damping_zone]]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DampingZoneKeys {
+    /// Where the damping begins, m.
+    pub inner_x_m: f64,
+    /// Where it is strongest, m.
+    pub outer_x_m: f64,
+    /// Maximum damping rate, 1/s.
+    pub rate_per_s: f64,
+}
+
+fn default_density() -> f64 {
+    1000.0
+}
+
+fn default_gravity() -> f64 {
+    9.81
+}
+
+fn default_density_blend() -> f64 {
+    0.01
+}
+
+fn default_pressure_tolerance() -> f64 {
+    1e-4
+}
+
+fn default_pressure_max_iterations() -> u32 {
+    500
+}
+
+fn default_body_name() -> String {
+    "body".to_owned()
+}
+
+fn all_directions() -> Vec<Direction> {
+    vec![Direction::Sway, Direction::Heave, Direction::Roll]
+}

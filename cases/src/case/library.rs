@@ -1,0 +1,55 @@
+//! The cases that come with the program.
+
+/// A case file inside the program.
+#[derive(Clone, Copy, Debug)]
+pub struct LibraryCase {
+    /// Name to run it by.
+    pub name: &'static str,
+    /// Text of the file.
+    pub text: &'static str,
+}
+
+macro_rules! cases {
+    ($($name:literal),* $(,)?) => {
+        &[$(LibraryCase {
+            name: $name,
+            text: include_str!(concat!("../../", $name, ".toml")),
+        }),*]
+    };
+}
+
+/// Every case that comes with the program, in the order of `seakeep list`.
+#[must_use]
+pub fn library() -> &'static [LibraryCase] {
+    cases!["still_tank", "standing_wave", "buoyancy", "heave_decay", "roll_decay"]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Case;
+    use super::*;
+
+    #[test]
+    fn every_case_passes_and_its_resolved_form_is_the_same_case() {
+        for known in library() {
+            let case = Case::load(known.name, &[]).unwrap();
+            assert!(!case.keys.description.is_empty(), "{} has no description", known.name);
+            let text = case.to_toml().unwrap();
+            let again = Case::parse(known.name, "resolved.toml", &text, &[]).unwrap();
+            assert_eq!(again, case);
+        }
+    }
+
+    #[test]
+    fn every_case_file_is_in_the_library() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"));
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if name != "Cargo.toml" && name.ends_with(".toml") {
+                let known = library().iter().any(|case| format!("{}.toml", case.name) == name);
+                assert!(known, "{name} is not in the library");
+            }
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Case files: what a run is asked to do.
+//!
+//! A case goes through three forms: the keys as written ([`CaseKeys`]), the same keys checked and
+//! with every default filled in, and the [`Scene`](crate::scene::Scene) in the terms of the
+//! components.
+
+mod checks;
+mod geometry_checks;
+mod keys;
+mod library;
+mod resolve;
+mod source;
+
+pub use keys::{
+    BodyKeys, BoxKeys, CaseKeys, DampingZoneKeys, Direction, GaugeKeys, NumericsKeys, OutputKeys,
+    ProbeKeys, StandingWaveKeys, TableName, TankKeys, WaterKeys,
+};
+pub use library::{LibraryCase, library};
+
+use crate::scene::Scene;
+use source::Source;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A case that has passed every check.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// Name: that of the file without its extension.
+    pub name: String,
+    /// The keys, with every default and override in place: a case file that asks for the same.
+    pub keys: CaseKeys,
+    /// What the components are asked for.
+    pub scene: Scene,
+}
+
+/// One thing wrong with a case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// `file:line`, or the override.
+    pub place: String,
+    /// Dotted key; empty where no single key is at fault.
+    pub key: String,
+    /// What is wrong, with the value and what is allowed.
+    pub message: String,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.key.as_str() {
+            "" => write!(f, "{}: {}", self.place, self.message),
+            key => write!(f, "{}: {key}: {}", self.place, self.message),
+        }
+    }
+}
+
+/// Why there is no [`Case`].
+#[derive(Debug, Error)]
+pub enum CaseError {
+    /// Neither a file nor a case of the library.
+    #[error(
+        "{asked}: no such file, and no case of this name (there are: {})",
+        library().iter().map(|case| case.name).collect::<Vec<_>>().join(", ")
+    )]
+    NotFound {
+        /// What was asked for.
+        asked: String,
+    },
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {source}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The case asks for something that cannot be: all that is wrong, a line each.
+    #[error("{}", .0.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
+    Invalid(Vec<Problem>),
+}
+
+impl Case {
+    /// The case in the file `asked`, or the library's case of that name, with `overrides`
+    /// (`dotted.key=value`) in place.
+    ///
+    /// # Errors
+    /// [`CaseError`]: a case that is returned can be run.
+    pub fn load(asked: &str, overrides: &[String]) -> Result<Self, CaseError> {
+        let path = Path::new(asked);
+        let known = library().iter().find(|case| case.name == asked);
+        let (label, text) = match known {
+            _ if path.is_file() => {
+                let text = std::fs::read_to_string(path)
+                    .map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+                (asked.to_owned(), text)
+            }
+            Some(case) => (format!("{asked}.toml"), case.text.to_owned()),
+            None => return Err(CaseError::NotFound { asked: asked.to_owned() }),
+        };
+        let name =
+            Path::new(&label).file_stem().map_or(asked.into(), |stem| stem.to_string_lossy());
+        Self::parse(&name, &label, &text, overrides)
+    }
+
+    /// The case `text`, called `label` in messages.
+    ///
+    /// # Errors
+    /// [`CaseError::Invalid`].
+    pub fn parse(
+        name: &str,
+        label: &str,
+        text: &str,
+        overrides: &[String],
+    ) -> Result<Self, CaseError> {
+        let (keys, source) = Source::read(label, text, overrides)
+            .map_err(|problem| CaseError::Invalid(vec![problem]))?;
+        let mut problems = checks::check_values(&keys, &source);
+        if problems.is_empty() {
+            problems = geometry_checks::check_geometry(&keys, &source);
+        }
+        if !problems.is_empty() {
+            return Err(CaseError::Invalid(problems));
+        }
+        let keys = resolve::resolve(keys);
+        let scene = Scene::new(&keys);
+        Ok(Self { name: name.to_owned(), keys, scene })
+    }
+
+    /// The resolved case as the text of a case file.
+    ///
+    /// # Errors
+    /// When the keys cannot be written as TOML.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(&self.keys)
+    }
+}

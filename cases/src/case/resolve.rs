@@ -1,0 +1,54 @@
+//! Filling in the defaults that follow from other keys.
+
+use super::{BodyKeys, CaseKeys};
+use crate::geometry;
+use nalgebra::Point2;
+
+/// Default time step over particle spacing, s/m: that of the reference (Ma et al. 2024).
+const TIME_STEP_PER_SPACING: f64 = 0.1;
+
+/// Time step (s) for a particle spacing (m) where a case names none.
+pub(super) fn default_time_step(particle_spacing: f64) -> f64 {
+    TIME_STEP_PER_SPACING * particle_spacing
+}
+
+/// The same case with nothing left to a default.
+pub(super) fn resolve(mut keys: CaseKeys) -> CaseKeys {
+    let spacing = keys.numerics.particle_spacing_m;
+    keys.numerics.time_step_s.get_or_insert(default_time_step(spacing));
+    keys.body = keys.body.into_iter().map(resolve_body).collect();
+    keys
+}
+
+/// Shape as counter-clockwise corners, mass and inertia as numbers.
+fn resolve_body(mut body: BodyKeys) -> BodyKeys {
+    let corners = corners(&body);
+    if let Some(density) = body.density_kg_m3.take() {
+        let integrals = geometry::area_integrals(&corners);
+        body.mass_kg_m = Some(density * integrals.area);
+        body.inertia_kg_m2_m = Some(density * integrals.polar_moment);
+    }
+    body.rectangle = None;
+    body.corners_m = Some(corners.iter().map(|corner| [corner.x, corner.y]).collect());
+    body.equilibrium_m.get_or_insert(body.position_m);
+    body
+}
+
+/// Corners of a body relative to its centre of mass, counter-clockwise, m.
+pub(super) fn corners(body: &BodyKeys) -> Vec<Point2<f64>> {
+    let mut corners: Vec<Point2<f64>> = match (&body.rectangle, &body.corners_m) {
+        (Some(rectangle), _) => {
+            let (x, y) = (rectangle.width_m / 2.0, rectangle.height_m / 2.0);
+            let [centre_x, centre_y] = rectangle.centre_of_mass_m;
+            [(-x, -y), (x, -y), (x, y), (-x, y)]
+                .map(|(x, y)| Point2::new(x - centre_x, y - centre_y))
+                .to_vec()
+        }
+        (None, Some(corners)) => corners.iter().map(|[x, y]| Point2::new(*x, *y)).collect(),
+        (None, None) => Vec::new(),
+    };
+    if geometry::area_integrals(&corners).area < 0.0 {
+        corners.reverse();
+    }
+    corners
+}

@@ -1,0 +1,76 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// The case that is run where no command is given.
+const MAIN_CASE: &str = "roll_decay";
+
+/// Floating bodies in waves, in two dimensions.
+///
+/// Without a command, the main case is run: `seakeep run roll_decay`.
+#[derive(Debug, Parser)]
+#[command(version)]
+pub(crate) struct Cli {
+    /// What to do
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run a case and write its results
+    Run(RunArguments),
+    /// Check a case without running it
+    Check {
+        #[command(flatten)]
+        case: CaseArguments,
+        /// Print every stage of the run, kept or left out, with the reason
+        #[arg(long)]
+        plan: bool,
+    },
+    /// List the cases that come with the program
+    List,
+}
+
+/// Which case.
+#[derive(Debug, Args)]
+pub(crate) struct CaseArguments {
+    /// A case file, or the name of a case that comes with the program
+    pub(crate) case: String,
+    /// Override a key, such as water.depth_m=0.5 or body[0].angle_deg=5; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+/// How to run it.
+#[derive(Debug, Args)]
+pub(crate) struct RunArguments {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// Directory for the results; without it results/CASE, numbered if that is taken
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write into the directory named by --out even if it is not empty
+    #[arg(long, requires = "out")]
+    pub(crate) force: bool,
+    /// Threads to use; without it as many as there are processors. Results do not depend on it
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+/// The command that is run where none is given.
+pub(crate) fn main_job() -> Command {
+    Command::Run(RunArguments {
+        case: CaseArguments { case: MAIN_CASE.to_owned(), set: Vec::new() },
+        out: None,
+        force: false,
+        threads: None,
+        quiet: false,
+    })
+}

@@ -1,0 +1,195 @@
+//! A run from start to end: stepping, writing, and the summary.
+
+use crate::case::Case;
+use crate::findings::{energy_error, findings};
+use crate::output::plot::{self, Panel};
+use crate::output::summary::{Status, Summary, peak_memory};
+use crate::output::{OutputError, Recorder, directory};
+use crate::simulation::{Sample, Simulation, SimulationError, displacement};
+use nalgebra::DMatrix;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+use thiserror::Error;
+
+/// Why a run gave no summary.
+#[derive(Debug, Error)]
+pub enum JobError {
+    /// A component refuses the scene. Nothing has been written.
+    #[error("{0}")]
+    Setup(SimulationError),
+    /// The threads cannot be started. Nothing has been written.
+    #[error("the threads cannot be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The resolved case cannot be written as TOML. Nothing has been written.
+    #[error("the resolved case cannot be written: {0}")]
+    Resolved(#[from] toml::ser::Error),
+    /// A result could not be written. What is there is complete up to then.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Steps done.
+    pub step: u64,
+    /// Steps in all.
+    pub steps: u64,
+    /// Simulated time, s.
+    pub time: f64,
+}
+
+/// Runs `case` on `threads` threads and writes its results into `directory`, which is made if it
+/// does not exist. `stop` ends the run after the current step; `observe` is called after each.
+///
+/// A step that fails ends the run too, but is no error here: everything up to it is written, and
+/// the summary says what failed.
+///
+/// # Errors
+/// [`JobError`].
+pub fn run(
+    case: &Case,
+    directory: &Path,
+    threads: usize,
+    stop: &AtomicBool,
+    observe: &mut (dyn FnMut(Progress) + Send),
+) -> Result<Summary, JobError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    pool.install(|| {
+        let begun = Instant::now();
+        let mut simulation = Simulation::start(&case.scene).map_err(JobError::Setup)?;
+        let resolved = format!("{}\n{}", directory::MARK, case.to_toml()?);
+        directory::prepare(directory)?;
+        let path = directory.join(directory::RESOLVED_CASE);
+        std::fs::write(&path, &resolved).map_err(OutputError::at(&path))?;
+
+        let mut recorder = Recorder::create(directory, case, &resolved)?;
+        let course = go(case, &mut simulation, &mut recorder, stop, observe)?;
+        recorder.finish()?;
+        simulation.finish();
+        draw_plots(case, directory, &course.samples)?;
+        let summary = summarize(case, &simulation, &course, threads, begun);
+        summary.write(directory)?;
+        Ok(summary)
+    })
+}
+
+/// What happened over a run.
+struct Course {
+    status: Status,
+    failure: Option<String>,
+    samples: Vec<Sample>,
+    /// Of the first step, if there is a free body.
+    added_mass: Option<DMatrix<f64>>,
+}
+
+/// Steps to the end, writing as it goes.
+fn go(
+    case: &Case,
+    simulation: &mut Simulation,
+    recorder: &mut Recorder,
+    stop: &AtomicBool,
+    observe: &mut (dyn FnMut(Progress) + Send),
+) -> Result<Course, OutputError> {
+    let scene = &case.scene;
+    let mut course =
+        Course { status: Status::Completed, failure: None, samples: Vec::new(), added_mass: None };
+    for step in 0..=scene.steps {
+        if step > 0 {
+            if let Err(error) = simulation.step() {
+                course.status = Status::Failed;
+                course.failure = Some(error.to_string());
+                break;
+            }
+            observe(Progress { step, steps: scene.steps, time: simulation.time() });
+        }
+        if step == 1 && scene.has_free_body() {
+            course.added_mass = Some(simulation.added_mass().clone());
+        }
+        let stopping = stop.load(Ordering::Relaxed);
+        let last = step == scene.steps || stopping;
+        if step % scene.output.series_every == 0 || last {
+            let sample = simulation.sample(scene);
+            recorder.sample(scene, &sample)?;
+            course.samples.push(sample);
+        }
+        if scene.output.frames_every.is_some_and(|every| step % every == 0 || last) {
+            recorder.frame(simulation.time(), &simulation.frame())?;
+        }
+        if stopping && step < scene.steps {
+            course.status = Status::Interrupted;
+            break;
+        }
+    }
+    Ok(course)
+}
+
+fn summarize(
+    case: &Case,
+    simulation: &Simulation,
+    course: &Course,
+    threads: usize,
+    begun: Instant,
+) -> Summary {
+    let samples = &course.samples;
+    let stages = simulation.stage_times();
+    Summary {
+        case: case.name.clone(),
+        version: env!("CARGO_PKG_VERSION"),
+        status: course.status,
+        failure: course.failure.clone(),
+        threads,
+        particles: Some(simulation.particle_counts()),
+        steps: simulation.steps(),
+        simulated_time_s: simulation.time(),
+        wall_time_s: begun.elapsed().as_secs_f64(),
+        stage_time_s: stages.into_iter().map(|(stage, t)| (stage, t.as_secs_f64())).collect(),
+        peak_memory_bytes: peak_memory(),
+        fallback_count: 0,
+        final_energy_error: energy_error(&case.scene, samples),
+        final_volume_error: samples.last().map(|sample| sample.diagnostics.volume_error),
+        findings: findings(case, samples, course.added_mass.as_ref()),
+        configuration: case.keys.clone(),
+    }
+}
+
+/// The motion of the bodies or, without any, the elevation at the gauges.
+fn draw_plots(case: &Case, directory: &Path, samples: &[Sample]) -> Result<(), OutputError> {
+    let scene = &case.scene;
+    if !scene.output.plot {
+        return Ok(());
+    }
+    if !scene.bodies.is_empty() {
+        let directions = [
+            ("sway (m)", 1.0),
+            ("heave (m)", 1.0),
+            ("roll (degrees)", 180.0 / std::f64::consts::PI),
+        ];
+        let curve = |index: usize, direction: usize, scale: f64| {
+            let (body, points) = (&scene.bodies[index], samples.iter());
+            let value =
+                |s: &Sample| scale * displacement(&s.motion[index], body.equilibrium)[direction];
+            (body.name.clone(), points.map(|s| (s.time, value(s))).collect())
+        };
+        let panels: Vec<Panel> = directions
+            .into_iter()
+            .enumerate()
+            .map(|(direction, (label, scale))| Panel {
+                label: label.to_owned(),
+                curves: (0..scene.bodies.len()).map(|i| curve(i, direction, scale)).collect(),
+            })
+            .collect();
+        plot::draw(&directory.join("motion.svg"), &case.name, &panels)
+    } else if !scene.gauges.is_empty() {
+        let curve = |(index, gauge): (usize, &crate::scene::Gauge)| {
+            let points = samples.iter().filter_map(|s| Some((s.time, s.elevations[index]?)));
+            (gauge.name.clone(), points.collect())
+        };
+        let curves = scene.gauges.iter().enumerate().map(curve).collect();
+        let panel = Panel { label: "elevation (m)".to_owned(), curves };
+        plot::draw(&directory.join("elevation.svg"), &case.name, &[panel])
+    } else {
+        Ok(())
+    }
+}

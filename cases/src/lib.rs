@@ -1,0 +1,16 @@
+//! Floating bodies in waves, in two dimensions: case files, runs and their results.
+//!
+//! A [`Case`](case::Case) is read from TOML and checked; [`job::run`] steps it, writes the files
+//! described in `docs/output.md` and returns a [`Summary`](output::summary::Summary) with the
+//! figures that [`analysis`] draws from the series. Everything is per metre of width and in SI;
+//! x along the tank, y up from the bed, angles counter-clockwise.
+
+pub mod analysis;
+pub mod case;
+mod findings;
+pub mod geometry;
+pub mod job;
+pub mod output;
+pub mod plan;
+pub mod scene;
+pub mod simulation;

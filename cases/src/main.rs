@@ -1,0 +1,116 @@
+//! The `seakeep` program: runs, checks and lists cases.
+//!
+//! Exit code 0: done; 1: the run failed or was interrupted, what it had is written; 2: it could
+//! not begin (bad input), and nothing was written.
+
+mod cli;
+mod progress;
+mod report;
+
+use clap::Parser;
+use cli::{CaseArguments, Cli, Command, RunArguments};
+use progress::ProgressDisplay;
+use seakeep::case::{Case, library};
+use seakeep::job::{self, JobError};
+use seakeep::output::{directory, summary::Status};
+use seakeep::plan::plan;
+use std::io::Write;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The run failed or was interrupted.
+const FAILED: u8 = 1;
+/// The run could not begin.
+const REFUSED: u8 = 2;
+
+fn main() -> ExitCode {
+    let command = Cli::parse().command.unwrap_or_else(cli::main_job);
+    let result = match command {
+        Command::Run(arguments) => run(&arguments),
+        Command::Check { case, plan } => check(&case, plan),
+        Command::List => list(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Stop { message, code }) => {
+            // One line a problem, each recognisable as an error.
+            for line in message.lines() {
+                let _ = writeln!(std::io::stderr(), "error: {line}");
+            }
+            ExitCode::from(code)
+        }
+    }
+}
+
+/// Why the program ends early.
+struct Stop {
+    message: String,
+    code: u8,
+}
+
+fn refused(error: impl std::fmt::Display) -> Stop {
+    Stop { message: error.to_string(), code: REFUSED }
+}
+
+fn run(arguments: &RunArguments) -> Result<(), Stop> {
+    let case = load(&arguments.case)?;
+    let out = directory::choose(&case.name, arguments.out.as_deref(), arguments.force)
+        .map_err(refused)?;
+    let threads = match arguments.threads {
+        Some(threads) => threads.get(),
+        None => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+    };
+    let stop = Arc::new(AtomicBool::new(false));
+    let on_signal = Arc::clone(&stop);
+    ctrlc::set_handler(move || on_signal.store(true, Ordering::Relaxed)).map_err(refused)?;
+
+    let mut display = ProgressDisplay::new(arguments.quiet, &case);
+    let observe = &mut |progress| display.update(progress);
+    let summary = job::run(&case, &out, threads, &stop, observe).map_err(|error| match error {
+        JobError::Output(_) => Stop { message: error.to_string(), code: FAILED },
+        _ => refused(error),
+    })?;
+    display.finish();
+    if !arguments.quiet {
+        say(&report::report(&summary));
+        say(&format!("results in {}\n", out.display()));
+    }
+    match summary.status {
+        Status::Completed => Ok(()),
+        Status::Interrupted => Err(Stop {
+            message: format!("interrupted at t = {:.4} s", summary.simulated_time_s),
+            code: FAILED,
+        }),
+        Status::Failed => Err(Stop { message: summary.failure.unwrap_or_default(), code: FAILED }),
+    }
+}
+
+fn check(arguments: &CaseArguments, with_plan: bool) -> Result<(), Stop> {
+    let case = load(arguments)?;
+    say(&report::overview(&case));
+    if with_plan {
+        for line in plan(&case) {
+            say(&format!("{line}\n"));
+        }
+    }
+    Ok(())
+}
+
+fn list() -> Result<(), Stop> {
+    for known in library() {
+        let description = Case::load(known.name, &[])
+            .map_or_else(|error| error.to_string(), |case| case.keys.description);
+        say(&format!("{:<15} {description}\n", known.name));
+    }
+    Ok(())
+}
+
+fn load(arguments: &CaseArguments) -> Result<Case, Stop> {
+    Case::load(&arguments.case, &arguments.set).map_err(refused)
+}
+
+/// Writes to standard output; a reader that has gone away is no error.
+fn say(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}

@@ -1,0 +1,74 @@
+//! What is said at the end of a run, and of a case that passes its checks.
+
+use seakeep::case::Case;
+use seakeep::output::summary::{Finding, Summary};
+use std::fmt::Write;
+
+/// The figures of a run as a short table.
+pub(crate) fn report(summary: &Summary) -> String {
+    let mut text = format!(
+        "\n{}: {} steps, {:.3} s simulated in {:.1} s on {} threads",
+        summary.case, summary.steps, summary.simulated_time_s, summary.wall_time_s, summary.threads
+    );
+    if let Some(particles) = summary.particles {
+        let _ = write!(text, ", {} particles", particles.fluid);
+    }
+    if let Some(bytes) = summary.peak_memory_bytes {
+        let _ = write!(text, ", {:.0} MB", bytes as f64 / 1e6);
+    }
+    let _ = writeln!(text, "\n\n{:<40} {:>12} {:<8} {:>12} {:>9}", "found", "", "", "theory", "");
+    for finding in &summary.findings {
+        let _ = writeln!(text, "{}", line(finding).trim_end());
+    }
+    let total: f64 = summary.stage_time_s.values().sum();
+    let _ = writeln!(text, "\n{:<20} {:>9} {:>6}", "time per stage", "s", "%");
+    let mut stages: Vec<_> = summary.stage_time_s.iter().collect();
+    stages.sort_by(|a, b| b.1.total_cmp(a.1));
+    for (stage, time) in stages {
+        let share = if total > 0.0 { 100.0 * time / total } else { 0.0 };
+        let _ = writeln!(text, "{stage:<20} {time:>9.2} {share:>6.1}");
+    }
+    let rest = summary.wall_time_s - total;
+    let _ = writeln!(text, "{:<20} {rest:>9.2}\n", "start and output");
+    text
+}
+
+fn line(finding: &Finding) -> String {
+    let start = format!("{:<40} {:>12} {:<8}", finding.name, number(finding.value), finding.unit);
+    match finding.theory {
+        None => start,
+        Some(theory) if theory.abs() > 1e-9 => {
+            let difference = 100.0 * (finding.value / theory - 1.0);
+            format!("{start} {:>12} {difference:>+7.2} %", number(theory))
+        }
+        Some(theory) => format!("{start} {:>12}", number(theory)),
+    }
+}
+
+/// Five significant digits, without an exponent where that is shorter.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let decimals = (4 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+/// One line on a case that has passed its checks.
+pub(crate) fn overview(case: &Case) -> String {
+    let scene = &case.scene;
+    let numerics = &scene.fluid.numerics;
+    let rows = scene.depth() / numerics.particle_spacing;
+    format!(
+        "{}: ok, {} steps of {} s to t = {} s, {rows:.1} particles over the depth, {} bodies\n",
+        case.name,
+        scene.steps,
+        numerics.time_step,
+        case.keys.end_time_s,
+        scene.bodies.len(),
+    )
+}

@@ -1,0 +1,207 @@
+//! A case in the terms of the components: what is simulated, measured and written.
+
+use crate::case::{BodyKeys, CaseKeys, Direction, TableName};
+use nalgebra::{Point2, Vector2};
+use seakeep_fluid::setup::{
+    DampingZone, FluidSetup, InitialSurface, Numerics, RigidBoundary, Tank, Water,
+};
+
+/// What a run simulates and writes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// The fluid and the boundaries in it.
+    pub fluid: FluidSetup,
+    /// The bodies, in the order of the fluid's boundaries.
+    pub bodies: Vec<Body>,
+    /// Wave gauges.
+    pub gauges: Vec<Gauge>,
+    /// Pressure probes.
+    pub probes: Vec<Probe>,
+    /// Number of time steps.
+    pub steps: u64,
+    /// When what is written.
+    pub output: OutputPlan,
+}
+
+/// A rigid body: what its boundary does not say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Name in the tables.
+    pub name: String,
+    /// Mass, kg/m.
+    pub mass: f64,
+    /// Moment of inertia about the centre of mass, kg m²/m.
+    pub inertia: f64,
+    /// Whether it moves in sway, heave and roll.
+    pub free: [bool; 3],
+    /// What sway and heave are relative to, m.
+    pub equilibrium: Point2<f64>,
+}
+
+impl Body {
+    /// Whether it does not move at all.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.free == [false; 3]
+    }
+}
+
+/// A wave gauge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gauge {
+    /// Name in the table.
+    pub name: String,
+    /// Where it stands, m.
+    pub x: f64,
+}
+
+/// A pressure probe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// Name in the table.
+    pub name: String,
+    /// Where it measures, m.
+    pub point: Point2<f64>,
+}
+
+/// What is written, and after how many steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputPlan {
+    /// Steps between two rows of the tables, at least 1.
+    pub series_every: u64,
+    /// Steps between two particle frames, if there are any.
+    pub frames_every: Option<u64>,
+    /// The tables asked for that have something in them.
+    pub tables: Vec<TableName>,
+    /// Whether `run.mcap` is written.
+    pub mcap: bool,
+    /// Whether a plot is drawn at the end.
+    pub plot: bool,
+}
+
+impl Scene {
+    /// The scene of resolved keys that have passed the checks.
+    pub(crate) fn new(keys: &CaseKeys) -> Self {
+        let time_step = keys.numerics.time_step_s.unwrap_or_default();
+        let fluid = FluidSetup {
+            tank: Tank { length: keys.tank.length_m, height: keys.tank.height_m },
+            water: Water {
+                depth: keys.water.depth_m,
+                density: keys.water.density_kg_m3,
+                kinematic_viscosity: keys.water.kinematic_viscosity_m2_s,
+                gravity: keys.water.gravity_m_s2,
+                initial_surface: match &keys.water.standing_wave {
+                    None => InitialSurface::Still,
+                    Some(wave) => InitialSurface::StandingWave {
+                        amplitude: wave.amplitude_m,
+                        half_waves: wave.half_waves,
+                    },
+                },
+            },
+            boundaries: keys.body.iter().map(boundary).collect(),
+            damping_zones: keys
+                .damping_zone
+                .iter()
+                .map(|zone| DampingZone {
+                    inner_x: zone.inner_x_m,
+                    outer_x: zone.outer_x_m,
+                    rate: zone.rate_per_s,
+                })
+                .collect(),
+            numerics: Numerics {
+                particle_spacing: keys.numerics.particle_spacing_m,
+                time_step,
+                density_blend: keys.numerics.density_blend,
+                pressure_tolerance: keys.numerics.pressure_tolerance,
+                pressure_max_iterations: keys.numerics.pressure_max_iterations as usize,
+            },
+        };
+        let gauges = keys.gauge.iter().map(|g| Gauge { name: g.name.clone(), x: g.x_m }).collect();
+        let probes = keys
+            .probe
+            .iter()
+            .map(|p| Probe { name: p.name.clone(), point: Point2::new(p.x_m, p.y_m) })
+            .collect();
+        Self {
+            fluid,
+            bodies: keys.body.iter().map(body).collect(),
+            gauges,
+            probes,
+            // A hair below the exact ratio, so that rounding does not add a step.
+            steps: (keys.end_time_s / time_step * (1.0 - 1e-12)).ceil().max(1.0) as u64,
+            output: output_plan(keys, time_step),
+        }
+    }
+
+    /// Time step, s.
+    #[must_use]
+    pub fn time_step(&self) -> f64 {
+        self.fluid.numerics.time_step
+    }
+
+    /// Still-water depth, m.
+    #[must_use]
+    pub fn depth(&self) -> f64 {
+        self.fluid.water.depth
+    }
+
+    /// Whether any body moves.
+    #[must_use]
+    pub fn has_free_body(&self) -> bool {
+        self.bodies.iter().any(|body| !body.is_held())
+    }
+
+    /// Whether nothing moves at the start and nothing will.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        !self.has_free_body() && self.fluid.water.initial_surface == InitialSurface::Still
+    }
+}
+
+/// Whether the scene of `keys` has anything to write into a table.
+pub(crate) fn has_rows(keys: &CaseKeys, table: TableName) -> bool {
+    match table {
+        TableName::Motion | TableName::Loads => !keys.body.is_empty(),
+        TableName::Gauges => !keys.gauge.is_empty(),
+        TableName::Probes => !keys.probe.is_empty(),
+        TableName::Diagnostics => true,
+    }
+}
+
+fn output_plan(keys: &CaseKeys, time_step: f64) -> OutputPlan {
+    let output = &keys.output;
+    let every = |interval: f64| ((interval / time_step).round() as u64).max(1);
+    OutputPlan {
+        series_every: every(output.series_interval_s),
+        frames_every: (output.mcap && output.frame_interval_s > 0.0)
+            .then(|| every(output.frame_interval_s)),
+        tables: TableName::ALL
+            .into_iter()
+            .filter(|table| output.tables.contains(table) && has_rows(keys, *table))
+            .collect(),
+        mcap: output.mcap,
+        plot: output.plot,
+    }
+}
+
+fn boundary(keys: &BodyKeys) -> RigidBoundary {
+    let corners = keys.corners_m.iter().flatten();
+    RigidBoundary {
+        name: keys.name.clone(),
+        corners: corners.map(|[x, y]| Vector2::new(*x, *y)).collect(),
+        position: Point2::from(keys.position_m),
+        angle: keys.angle_deg.to_radians(),
+        free: !keys.free.is_empty(),
+    }
+}
+
+fn body(keys: &BodyKeys) -> Body {
+    let free = |direction| keys.free.contains(&direction);
+    Body {
+        name: keys.name.clone(),
+        mass: keys.mass_kg_m.unwrap_or_default(),
+        inertia: keys.inertia_kg_m2_m.unwrap_or_default(),
+        free: [free(Direction::Sway), free(Direction::Heave), free(Direction::Roll)],
+        equilibrium: Point2::from(keys.equilibrium_m.unwrap_or(keys.position_m)),
+    }
+}

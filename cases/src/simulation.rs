@@ -1,0 +1,192 @@
+//! The components of a run and what is read off them: the only place that drives them.
+
+use crate::output::rows::DiagnosticsRow;
+use crate::scene::Scene;
+use nalgebra::{DMatrix, Point2};
+use seakeep_body::{BodyError, BodyProperties, FreeDegrees, RapierEngine, RigidBodies};
+use seakeep_coupler::interface::{BoundaryKinematics, Load, LoadComponent, MotionComponent};
+use seakeep_coupler::{CouplerError, FixedStepMaster};
+use seakeep_fluid::{Fluid, FluidError, ParticleCounts, Plan};
+use std::time::Duration;
+use thiserror::Error;
+
+/// Why a simulation cannot start or go on.
+#[derive(Debug, Error)]
+pub enum SimulationError {
+    /// The fluid cannot be set up.
+    #[error("fluid: {0}")]
+    Fluid(#[from] FluidError),
+    /// A body cannot be set up.
+    #[error("body: {0}")]
+    Body(#[from] BodyError),
+    /// A step failed.
+    #[error(transparent)]
+    Coupling(#[from] CouplerError),
+}
+
+/// A fluid and, where the scene has bodies, their motion, coupled.
+pub struct Simulation {
+    fluid: Fluid,
+    bodies: Option<RigidBodies>,
+    master: FixedStepMaster,
+}
+
+/// One row of every series.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// Time, s.
+    pub time: f64,
+    /// Kinematics of every body.
+    pub motion: Vec<BoundaryKinematics>,
+    /// Load on every body over the step that ended now; empty at the start.
+    pub loads: Vec<Load>,
+    /// Elevation above still water at every gauge, m.
+    pub elevations: Vec<Option<f64>>,
+    /// Pressure at every probe, Pa.
+    pub pressures: Vec<Option<f64>>,
+    /// State of health.
+    pub diagnostics: DiagnosticsRow,
+    /// Largest speed in the water, m/s.
+    pub max_speed: f64,
+    /// Largest departure from hydrostatic pressure, Pa.
+    pub max_hydrostatic_pressure_error: f64,
+}
+
+/// A particle in a frame: x, y (m), u, v (m/s), p (Pa).
+pub type FramePoint = [f32; 5];
+
+impl Simulation {
+    /// Sets the components of `scene` up and initializes them at time 0.
+    ///
+    /// # Errors
+    /// When a component refuses its set-up.
+    pub fn start(scene: &Scene) -> Result<Self, SimulationError> {
+        let mut fluid = Fluid::new(scene.fluid.clone())?;
+        let mut bodies = match scene.bodies.as_slice() {
+            [] => None,
+            _ => {
+                let engine = Box::new(RapierEngine::new());
+                Some(RigidBodies::new(properties(scene), scene.fluid.water.gravity, engine)?)
+            }
+        };
+        let motion = bodies.as_mut().map(|bodies| bodies as &mut dyn MotionComponent);
+        let master = FixedStepMaster::start(0.0, scene.time_step(), &mut fluid, motion)?;
+        Ok(Self { fluid, bodies, master })
+    }
+
+    /// Takes one time step.
+    ///
+    /// # Errors
+    /// When a component fails; the simulation cannot go on then, but can still be read.
+    pub fn step(&mut self) -> Result<(), SimulationError> {
+        let motion = self.bodies.as_mut().map(|bodies| bodies as &mut dyn MotionComponent);
+        self.master.step(&mut self.fluid, motion)?;
+        Ok(())
+    }
+
+    /// Time, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.master.time()
+    }
+
+    /// Steps taken.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.master.step_count()
+    }
+
+    /// Reads off what `scene` measures.
+    #[must_use]
+    pub fn sample(&self, scene: &Scene) -> Sample {
+        let found = self.fluid.diagnostics();
+        let loads = if self.steps() == 0 { &[] } else { self.fluid.loads() };
+        let elevation = |gauge: &crate::scene::Gauge| self.fluid.surface_elevation(gauge.x);
+        let pressure = |probe: &crate::scene::Probe| self.fluid.pressure_at(probe.point);
+        Sample {
+            time: self.time(),
+            motion: self.bodies.as_ref().map_or(Vec::new(), |b| b.kinematics().to_vec()),
+            loads: loads.to_vec(),
+            elevations: scene.gauges.iter().map(elevation).collect(),
+            pressures: scene.probes.iter().map(pressure).collect(),
+            diagnostics: DiagnosticsRow {
+                time_s: self.time(),
+                kinetic_energy_j_per_m: found.kinetic_energy,
+                potential_energy_j_per_m: found.potential_energy,
+                volume_error: found.volume_error,
+                divergence_rms_per_s: found.divergence_rms,
+                density_error_rms: found.density_error_rms,
+                pressure_iterations: found.pressure_iterations as u64,
+                pressure_residual: found.pressure_residual,
+                particles_active: found.particles_active as u64,
+            },
+            max_speed: found.max_speed,
+            max_hydrostatic_pressure_error: found.max_hydrostatic_pressure_error,
+        }
+    }
+
+    /// The particles as they are.
+    #[must_use]
+    pub fn frame(&self) -> Vec<FramePoint> {
+        let view = self.fluid.particles();
+        view.position
+            .iter()
+            .zip(view.velocity)
+            .zip(self.fluid.pressures())
+            .map(|((x, u), p)| [x.x, x.y, u.x, u.y, p].map(|value| value as f32))
+            .collect()
+    }
+
+    /// How many particles there are.
+    #[must_use]
+    pub fn particle_counts(&self) -> ParticleCounts {
+        self.fluid.particle_counts()
+    }
+
+    /// Added-mass matrix of the last step, three rows a body: kg/m, kg, kg m²/m.
+    #[must_use]
+    pub fn added_mass(&self) -> &DMatrix<f64> {
+        self.fluid.added_mass()
+    }
+
+    /// Wall time of every stage of the fluid's step so far.
+    #[must_use]
+    pub fn stage_times(&self) -> Vec<(String, Duration)> {
+        self.fluid.stage_times().map(|(stage, time)| (stage.to_string(), time)).collect()
+    }
+
+    /// Ends the simulation. It can still be read.
+    pub fn finish(&mut self) {
+        let motion = self.bodies.as_mut().map(|bodies| bodies as &mut dyn MotionComponent);
+        self.master.clone().finish(&mut self.fluid, motion);
+    }
+}
+
+/// The stages of the fluid's step: name, whether it is kept, and why.
+#[must_use]
+pub fn fluid_stages(scene: &Scene) -> Vec<(String, bool, String)> {
+    let entries = Plan::new(&scene.fluid).entries;
+    entries.into_iter().map(|e| (e.stage.to_string(), e.kept, e.reason.to_owned())).collect()
+}
+
+fn properties(scene: &Scene) -> Vec<BodyProperties> {
+    let bodies = scene.bodies.iter().zip(&scene.fluid.boundaries);
+    bodies
+        .map(|(body, boundary)| {
+            let [sway, heave, roll] = body.free;
+            BodyProperties {
+                angle: boundary.angle,
+                equilibrium: body.equilibrium,
+                free: FreeDegrees { sway, heave, roll },
+                ..BodyProperties::new(&body.name, body.mass, body.inertia, boundary.position)
+            }
+        })
+        .collect()
+}
+
+/// Position of a body relative to its equilibrium: sway, heave (m) and roll (rad).
+#[must_use]
+pub fn displacement(kinematics: &BoundaryKinematics, equilibrium: Point2<f64>) -> [f64; 3] {
+    let moved = kinematics.position - equilibrium;
+    [moved.x, moved.y, kinematics.angle]
+}
