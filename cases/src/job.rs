@@ -7,9 +7,10 @@ use crate::output::summary::{Status, Summary, peak_memory};
 use crate::output::{OutputError, Recorder, directory};
 use crate::simulation::{Sample, Simulation, SimulationError, displacement};
 use nalgebra::DMatrix;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use thiserror::Error;
 
 /// Why a run gave no summary.
@@ -65,7 +66,9 @@ pub fn run(
         std::fs::write(&path, &resolved).map_err(OutputError::at(&path))?;
 
         let mut recorder = Recorder::create(directory, case, &resolved)?;
-        let course = go(case, &mut simulation, &mut recorder, stop, observe)?;
+        let start_time = begun.elapsed();
+        let mut course = go(case, &mut simulation, &mut recorder, stop, observe)?;
+        course.start_time = start_time;
         recorder.finish()?;
         simulation.finish();
         draw_plots(case, directory, &course.samples)?;
@@ -82,6 +85,10 @@ struct Course {
     samples: Vec<Sample>,
     /// Of the first step, if there is a free body.
     added_mass: Option<DMatrix<f64>>,
+    /// Wall time before the first step.
+    start_time: Duration,
+    /// Wall time of the steps.
+    step_time: Duration,
 }
 
 /// Steps to the end, writing as it goes.
@@ -93,11 +100,20 @@ fn go(
     observe: &mut (dyn FnMut(Progress) + Send),
 ) -> Result<Course, OutputError> {
     let scene = &case.scene;
-    let mut course =
-        Course { status: Status::Completed, failure: None, samples: Vec::new(), added_mass: None };
+    let mut course = Course {
+        status: Status::Completed,
+        failure: None,
+        samples: Vec::new(),
+        added_mass: None,
+        start_time: Duration::ZERO,
+        step_time: Duration::ZERO,
+    };
     for step in 0..=scene.steps {
         if step > 0 {
-            if let Err(error) = simulation.step() {
+            let begun = Instant::now();
+            let taken = simulation.step();
+            course.step_time += begun.elapsed();
+            if let Err(error) = taken {
                 course.status = Status::Failed;
                 course.failure = Some(error.to_string());
                 break;
@@ -133,7 +149,6 @@ fn summarize(
     begun: Instant,
 ) -> Summary {
     let samples = &course.samples;
-    let stages = simulation.stage_times();
     Summary {
         case: case.name.clone(),
         version: env!("CARGO_PKG_VERSION"),
@@ -144,7 +159,7 @@ fn summarize(
         steps: simulation.steps(),
         simulated_time_s: simulation.time(),
         wall_time_s: begun.elapsed().as_secs_f64(),
-        stage_time_s: stages.into_iter().map(|(stage, t)| (stage, t.as_secs_f64())).collect(),
+        stage_time_s: stage_times(simulation, course, begun.elapsed()),
         peak_memory_bytes: peak_memory(),
         fallback_count: 0,
         final_energy_error: energy_error(&case.scene, samples),
@@ -152,6 +167,22 @@ fn summarize(
         findings: findings(case, samples, course.added_mass.as_ref()),
         configuration: case.keys.clone(),
     }
+}
+
+/// Wall time of the fluid's stages and of all around them, s; together the wall time of the run.
+fn stage_times(simulation: &Simulation, course: &Course, whole: Duration) -> BTreeMap<String, f64> {
+    let mut times: BTreeMap<String, f64> = simulation
+        .stage_times()
+        .into_iter()
+        .map(|(stage, time)| (stage, time.as_secs_f64()))
+        .collect();
+    let steps = course.step_time.as_secs_f64();
+    let fluid: f64 = times.values().sum();
+    let start = course.start_time.as_secs_f64();
+    times.insert("start".to_owned(), start);
+    times.insert("bodies and coupling".to_owned(), (steps - fluid).max(0.0));
+    times.insert("output".to_owned(), (whole.as_secs_f64() - steps - start).max(0.0));
+    times
 }
 
 /// The motion of the bodies or, without any, the elevation at the gauges.

@@ -27,7 +27,7 @@ impl Allowed {
         Self { low, low_included: true, high }
     }
 
-    fn holds(self, value: f64) -> bool {
+    pub(super) fn holds(self, value: f64) -> bool {
         let low = if self.low_included { value >= self.low } else { value > self.low };
         low && value <= self.high && value.is_finite()
     }
@@ -35,16 +35,20 @@ impl Allowed {
 
 impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.low > f64::NEG_INFINITY {
-            write!(f, "{} {}", if self.low_included { "at least" } else { "above" }, self.low)?;
-        }
-        match (self.low > f64::NEG_INFINITY, self.high < f64::INFINITY) {
-            (true, true) => write!(f, " and at most {}", self.high),
-            (false, true) => write!(f, "at most {}", self.high),
-            (true, false) => Ok(()),
+        let (low, high) = (rounded(self.low), rounded(self.high));
+        let least = if self.low_included { "at least" } else { "above" };
+        match (low.is_finite(), high.is_finite()) {
+            (true, true) => write!(f, "{least} {low} and at most {high}"),
+            (true, false) => write!(f, "{least} {low}"),
+            (false, true) => write!(f, "at most {high}"),
             (false, false) => write!(f, "a finite number"),
         }
     }
+}
+
+/// Four significant digits: enough to tell what is allowed.
+fn rounded(limit: f64) -> f64 {
+    format!("{limit:.3e}").parse().unwrap_or(limit)
 }
 
 const POSITIVE: Allowed = Allowed::above(0.0, f64::INFINITY);

@@ -21,7 +21,14 @@ pub(super) fn check_geometry(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
     let spacing = keys.numerics.particle_spacing_m;
     let finest = (tank.length_m * water.depth_m / MAX_PARTICLES).sqrt();
     let coarsest = (water.depth_m / MIN_ROWS).min(tank.length_m / MIN_ROWS);
-    check.number("numerics.particle_spacing_m", spacing, Allowed::from(finest, coarsest));
+    let allowed = Allowed::from(finest, coarsest);
+    check.require(allowed.holds(spacing), "numerics.particle_spacing_m", || {
+        format!("{spacing} must be {allowed}: particles for {MIN_ROWS} rows, and no more than {MAX_PARTICLES:e}")
+    });
+    if !check.problems.is_empty() {
+        // The distances below are measured in spacings.
+        return check.problems;
+    }
     let bodies: Vec<_> = keys.body.iter().map(corners).collect();
     let mut placed = Vec::new();
     for (index, (body, corners)) in keys.body.iter().zip(&bodies).enumerate() {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A case file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct CaseKeys {
     /// One line for `seakeep list`.
     #[serde(default)]
@@ -38,7 +38,7 @@ pub struct CaseKeys {
 
 /// `[tank]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct TankKeys {
     /// Distance between the side walls, m.
     pub length_m: f64,
@@ -48,7 +48,7 @@ pub struct TankKeys {
 
 /// `[water]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct WaterKeys {
     /// Still-water depth, m.
     pub depth_m: f64,
@@ -68,7 +68,7 @@ pub struct WaterKeys {
 
 /// `[water.standing_wave]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct StandingWaveKeys {
     /// First-order amplitude, m.
     pub amplitude_m: f64,
@@ -78,7 +78,7 @@ pub struct StandingWaveKeys {
 
 /// `[numerics]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct NumericsKeys {
     /// Initial particle spacing, m.
     pub particle_spacing_m: f64,
@@ -97,7 +97,7 @@ pub struct NumericsKeys {
 
 /// `[output]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
 pub struct OutputKeys {
     /// Time between two rows of a table, s; 0 for every step.
     pub series_interval_s: f64,
@@ -159,7 +159,7 @@ impl TableName {
 
 /// `[[body]]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct BodyKeys {
     /// Name in the tables.
     #[serde(default = "default_body_name")]
@@ -193,7 +193,7 @@ pub struct BodyKeys {
 
 /// `[body.box]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct BoxKeys {
     /// Width (along x at angle 0), m.
     pub width_m: f64,
@@ -218,7 +218,7 @@ pub enum Direction {
 
 /// `[[gauge]]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct GaugeKeys {
     /// Name in the table.
     pub name: String,
@@ -228,7 +228,7 @@ pub struct GaugeKeys {
 
 /// `[[probe]]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct ProbeKeys {
     /// Name in the table.
     pub name: String,
@@ -240,7 +240,7 @@ pub struct ProbeKeys {
 
 /// `[[damping_zone]]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct DampingZoneKeys {
     /// Where the damping begins, m.
     pub inner_x_m: f64,

@@ -76,7 +76,8 @@ impl Source {
 
     /// A TOML error as one line that names the key where there is one.
     fn explain(&self, error: &Error) -> Problem {
-        let message = error.message().replace('\n', " ");
+        let message =
+            error.message().replace('\n', " ").replace("expected f64", "expected a number");
         let Some(span) = error.span() else {
             return Problem { place: self.label.clone(), key: String::new(), message };
         };
@@ -108,7 +109,7 @@ impl Source {
         };
         let (path, text) = (path.trim(), text.trim());
         let value = DeValue::parse(text)
-            .map_err(|error| fail(format!("{}: {text} is no TOML value", error.message())))?;
+            .map_err(|error| fail(format!("`{text}` is no TOML value: {}", error.message())))?;
         let value = respanned(value.into_inner(), offset);
         let (parents, last) = match path.rsplit_once('.') {
             Some((parents, last)) => (Some(parents), last),
