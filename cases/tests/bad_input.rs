@@ -1,5 +1,7 @@
 //! Bad input: one clear line a problem, naming the key; exit code 2; nothing written.
 
+#![allow(clippy::unwrap_used, reason = "a panic in a test is a report")]
+
 mod common;
 
 use common::{SMALL, directory, entries, run, stderr};

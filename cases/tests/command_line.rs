@@ -1,5 +1,7 @@
 //! The commands, and where results go.
 
+#![allow(clippy::unwrap_used, reason = "a panic in a test is a report")]
+
 mod common;
 
 use common::{directory, entries, run, stderr, stdout};

@@ -1,5 +1,7 @@
 //! A run from end to end: the files of the output contract, and what an interruption leaves.
 
+#![allow(clippy::unwrap_used, reason = "a panic in a test is a report")]
+
 mod common;
 
 use common::{directory, entries, run, seakeep, stderr, stdout};
