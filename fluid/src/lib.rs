@@ -1,2 +1,34 @@
-//! Fluid.
+//! Incompressible SPH for waves and rigid boundaries in a vertical plane.
+//!
+//! [`Fluid`] owns the particles: as a component of the co-simulation it takes the kinematics of
+//! rigid boundaries and returns hydrodynamic force and torque (Eqs. (19) and (20) of Ma, Zhang,
+//! Yan & Li 2024, whose equation numbers are used throughout) together with their directional
+//! derivative with respect to the boundaries' acceleration, the added mass.
+//!
+//! Frame: x along the tank, y up from the bed, angles counter-clockwise; SI, per metre of width.
+
+mod component;
+mod error;
+mod fill;
+mod fit;
+mod fluid;
+mod free_surface;
+mod geometry;
+mod krylov;
+mod loads;
+mod neighbours;
+mod observe;
+mod operators;
+mod particles;
+mod plan;
+mod regularise;
 pub mod setup;
+mod small_matrix;
+mod sparse;
+mod walls;
+
+pub use error::FluidError;
+pub use fluid::Fluid;
+pub use observe::{Diagnostics, ParticleCounts, ParticlesView};
+pub use plan::{Plan, PlanEntry, Stage};
+pub use setup::FluidSetup;

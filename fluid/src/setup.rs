@@ -1,5 +1,7 @@
 //! What a fluid is asked to be: geometry, water, numerics. Plain data, validated elsewhere.
 
+use crate::error::FluidError;
+use crate::geometry::{crosses_itself, placed, signed_area};
 use nalgebra::{Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -47,7 +49,8 @@ pub struct Water {
 pub enum InitialSurface {
     /// Flat at the still-water depth.
     Still,
-    /// η = a cos(k x) plus its second-order bound harmonics (Wu & Taylor 1994), k = π n / L.
+    /// η = a cos(k x), k = π n / L: the start from rest that the standing-wave solution of
+    /// Wu & Taylor (1994) has to second order too.
     StandingWave {
         /// First-order amplitude a, m.
         amplitude: f64,
@@ -97,4 +100,62 @@ pub struct Numerics {
     pub pressure_tolerance: f64,
     /// Iterations after which the pressure solve has failed.
     pub pressure_max_iterations: usize,
+}
+
+impl FluidSetup {
+    /// Checks what the fluid itself depends on.
+    pub(crate) fn validate(&self) -> Result<(), FluidError> {
+        let positive = "a finite number above 0";
+        let not_negative = "a finite number, 0 or above";
+        for (parameter, value, may_be_zero) in [
+            ("tank length", self.tank.length, false),
+            ("tank height", self.tank.height, false),
+            ("water depth", self.water.depth, false),
+            ("density", self.water.density, false),
+            ("gravity", self.water.gravity, false),
+            ("kinematic viscosity", self.water.kinematic_viscosity, true),
+            ("particle spacing", self.numerics.particle_spacing, false),
+            ("time step", self.numerics.time_step, false),
+            ("density blend", self.numerics.density_blend, true),
+            ("pressure tolerance", self.numerics.pressure_tolerance, false),
+        ] {
+            if !(value.is_finite() && (value > 0.0 || (may_be_zero && value == 0.0))) {
+                let allowed = if may_be_zero { not_negative } else { positive };
+                return Err(FluidError::Parameter { parameter, value, allowed });
+            }
+        }
+        for zone in &self.damping_zones {
+            let sound = zone.inner_x.is_finite()
+                && zone.outer_x.is_finite()
+                && zone.rate.is_finite()
+                && zone.inner_x != zone.outer_x
+                && zone.rate >= 0.0;
+            if !sound {
+                return Err(FluidError::Parameter {
+                    parameter: "damping rate",
+                    value: zone.rate,
+                    allowed: "0 or above, over a zone of some length",
+                });
+            }
+        }
+        for boundary in &self.boundaries {
+            let polygon = placed(&boundary.corners, boundary.position, boundary.angle);
+            let reason = if polygon.len() < 3 {
+                "needs at least three corners"
+            } else if !polygon.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {
+                "has a corner that is not finite"
+            } else if crosses_itself(&polygon) {
+                "crosses itself"
+            } else if signed_area(&polygon) <= 0.0 {
+                "must enclose an area, its corners counter-clockwise"
+            } else {
+                continue;
+            };
+            return Err(FluidError::Boundary {
+                boundary: boundary.name.clone(),
+                reason: reason.to_owned(),
+            });
+        }
+        Ok(())
+    }
 }

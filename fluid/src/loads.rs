@@ -1,0 +1,108 @@
+//! Loads on rigid boundaries: pressure at the wall particles, integrated over the wetted wall.
+
+use crate::fit;
+use crate::geometry::cross;
+use crate::operators::Fields;
+use crate::small_matrix::Symmetric;
+use nalgebra::{Point2, Vector2};
+use seakeep_coupler::interface::Load;
+
+/// Pressure at a point as a linear functional of the pressures around it: a quadratic
+/// least-squares fit about the point itself, with the walls' Neumann data as rows.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PointPressure {
+    /// Fluid particle and its coefficient.
+    values: Vec<(u32, f64)>,
+    /// Wall particle and the coefficient of its ∂p/∂n.
+    slopes: Vec<(u32, f64)>,
+}
+
+impl PointPressure {
+    /// Builds the functional at `centre` from the fluid particles `around` it and those of the
+    /// wall particles `walls` that bound the water.
+    pub(crate) fn build(
+        &mut self,
+        fields: Fields,
+        centre: Point2<f64>,
+        around: impl Iterator<Item = u32>,
+        walls: impl Iterator<Item = usize>,
+    ) {
+        self.values.clear();
+        self.slopes.clear();
+        let scale = 1.0 / fields.spacing;
+        let mut matrix = Symmetric::<6>::zero();
+        let full = |b: [f64; 5], one: f64| [one, b[0], b[1], b[2], b[3], b[4]];
+        for j in around {
+            let d = (fields.position[j as usize] - centre) * scale;
+            // The centre is no particle: the weight must not be singular there.
+            let weight = fit::bell(d.norm_squared()) / (d.norm_squared() + 0.25);
+            matrix.add_outer(weight, &full(fit::basis(d), 1.0));
+            self.values.push((j, weight));
+        }
+        for v in walls {
+            let d = (fields.walls.position[v] - centre) * scale;
+            if fields.walls.activity[v] > 0.0 && d.norm_squared() < fit::RADIUS * fit::RADIUS {
+                let weight = fields.walls.activity[v] * fit::bell(d.norm_squared());
+                let row = full(fit::normal_derivative(d, fields.walls.normal[v]), 0.0);
+                matrix.add_outer(weight, &row);
+                self.slopes.push((v as u32, weight));
+            }
+        }
+        let mut factor = matrix.factorize(1e-5);
+        if factor.is_none() {
+            let trace: f64 = (0..6).map(|i| matrix.0[i][i]).sum();
+            for i in 3..6 {
+                matrix.0[i][i] += 10.0 * trace;
+            }
+            factor = matrix.factorize(1e-5);
+        }
+        let Some(factor) = factor else {
+            // Too few particles for a fit: their mean.
+            let total: f64 = self.values.iter().map(|(_, weight)| weight).sum();
+            self.values.iter_mut().for_each(|(_, weight)| *weight /= total);
+            self.slopes.clear();
+            return;
+        };
+        let value = factor.solve(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let apply = |row: [f64; 6]| -> f64 { row.iter().zip(&value).map(|(a, b)| a * b).sum() };
+        for (j, coefficient) in &mut self.values {
+            let d = (fields.position[*j as usize] - centre) * scale;
+            *coefficient *= apply(full(fit::basis(d), 1.0));
+        }
+        for (v, coefficient) in &mut self.slopes {
+            let d = (fields.walls.position[*v as usize] - centre) * scale;
+            let row = full(fit::normal_derivative(d, fields.walls.normal[*v as usize]), 0.0);
+            *coefficient *= apply(row) * fields.spacing;
+        }
+    }
+
+    /// Whether there was a particle to build on.
+    pub(crate) fn is_some(&self) -> bool {
+        !self.values.is_empty()
+    }
+
+    /// The pressure for particle pressures `value(j)` and wall slopes `slope(w)`, Pa.
+    #[inline]
+    pub(crate) fn evaluate(
+        &self,
+        value: impl Fn(usize) -> f64,
+        slope: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let values: f64 = self.values.iter().map(|&(j, c)| c * value(j as usize)).sum();
+        let slopes: f64 = self.slopes.iter().map(|&(w, c)| c * slope(w as usize)).sum();
+        values + slopes
+    }
+}
+
+/// Load of a pressure `pressure` (Pa) on wall particle `w`, its wetted part of `length` (m)
+/// centred at `point`: one term of Eqs. (19) and (20), the torque about `centre`.
+pub(crate) fn load_on_piece(
+    normal: Vector2<f64>,
+    length: f64,
+    point: Point2<f64>,
+    centre: Point2<f64>,
+    pressure: f64,
+) -> Load {
+    let force = -normal * (pressure * length);
+    Load { force, torque: cross(point - centre, force) }
+}

@@ -1,0 +1,200 @@
+//! Neighbour search: a uniform grid of cells and, for each block of particles, lists of those
+//! within a radius.
+
+use nalgebra::Point2;
+use rayon::prelude::*;
+
+/// Particles that one task treats. Blocks, not threads, cut the work and the sums, so that
+/// results do not depend on the number of threads.
+pub(crate) const BLOCK: usize = 256;
+
+/// Points sorted into square cells.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct CellGrid {
+    origin: Point2<f64>,
+    inverse_size: f64,
+    columns: usize,
+    rows: usize,
+    /// First entry of each cell in `points`; one more than there are cells.
+    start: Vec<u32>,
+    points: Vec<u32>,
+    cell_of: Vec<u32>,
+}
+
+impl CellGrid {
+    /// A grid over the rectangle from `low` to `high` with cells of `size` (m). Points outside
+    /// count to the nearest cell.
+    pub(crate) fn new(low: Point2<f64>, high: Point2<f64>, size: f64) -> Self {
+        let cells = |length: f64| ((length / size).ceil() as usize).max(1);
+        Self {
+            origin: low,
+            inverse_size: 1.0 / size,
+            columns: cells(high.x - low.x),
+            rows: cells(high.y - low.y),
+            ..Self::default()
+        }
+    }
+
+    fn cell_at(&self, point: &Point2<f64>) -> (usize, usize) {
+        // A float cast saturates, so a point outside (or NaN) falls into a border cell.
+        let index =
+            |offset: f64, count: usize| ((offset * self.inverse_size) as usize).min(count - 1);
+        (index(point.x - self.origin.x, self.columns), index(point.y - self.origin.y, self.rows))
+    }
+
+    /// Sorts `points` into the cells.
+    pub(crate) fn sort(&mut self, points: &[Point2<f64>]) {
+        let mut cell_of = std::mem::take(&mut self.cell_of);
+        cell_of.resize(points.len(), 0);
+        cell_of.par_chunks_mut(BLOCK).zip(points.par_chunks(BLOCK)).for_each(|(cells, points)| {
+            for (cell, point) in cells.iter_mut().zip(points) {
+                let (column, row) = self.cell_at(point);
+                *cell = (column * self.rows + row) as u32;
+            }
+        });
+        self.start.clear();
+        self.start.resize(self.columns * self.rows + 1, 0);
+        for &cell in &cell_of {
+            self.start[cell as usize + 1] += 1;
+        }
+        for cell in 1..self.start.len() {
+            self.start[cell] += self.start[cell - 1];
+        }
+        self.points.resize(points.len(), 0);
+        // Filled from the back, so that each cell lists its points in rising order.
+        for (point, &cell) in cell_of.iter().enumerate().rev() {
+            let end = &mut self.start[cell as usize + 1];
+            *end -= 1;
+            self.points[*end as usize] = point as u32;
+        }
+        // Each `start[cell + 1]` now is the first entry of `cell`: shift down by one.
+        self.start.rotate_left(1);
+        if let Some(last) = self.start.last_mut() {
+            *last = points.len() as u32;
+        }
+        self.cell_of = cell_of;
+    }
+
+    /// Calls `visit` for every point in the cells that touch the square of half-width one cell
+    /// around `centre`: all points within one cell size are among them.
+    #[inline(always)]
+    pub(crate) fn candidates(&self, centre: &Point2<f64>, mut visit: impl FnMut(usize)) {
+        let (column, row) = self.cell_at(centre);
+        let rows = row.saturating_sub(1)..(row + 2).min(self.rows);
+        for column in column.saturating_sub(1)..(column + 2).min(self.columns) {
+            let first = self.start[column * self.rows + rows.start] as usize;
+            let last = self.start[column * self.rows + rows.end] as usize;
+            for &point in &self.points[first..last] {
+                visit(point as usize);
+            }
+        }
+    }
+}
+
+/// Lists of neighbours of a block of points.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lists {
+    start: Vec<u32>,
+    index: Vec<u32>,
+}
+
+impl Lists {
+    /// Starts anew.
+    pub(crate) fn clear(&mut self) {
+        self.start.clear();
+        self.start.push(0);
+        self.index.clear();
+    }
+
+    /// Adds an entry to the list that is being written.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, neighbour: usize) {
+        self.index.push(neighbour as u32);
+    }
+
+    /// Ends the list that is being written.
+    #[inline(always)]
+    pub(crate) fn end_list(&mut self) {
+        self.start.push(self.index.len() as u32);
+    }
+
+    /// The list of the block's point `local`.
+    #[inline(always)]
+    pub(crate) fn of(&self, local: usize) -> &[u32] {
+        &self.index[self.start[local] as usize..self.start[local + 1] as usize]
+    }
+}
+
+/// Neighbour lists of all points, a block at a time.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Neighbours {
+    pub(crate) blocks: Vec<Lists>,
+}
+
+impl Neighbours {
+    /// Finds, for each point of `centres`, the points of `others` within `radius` (at most the
+    /// cell size of `grid`, into which `others` is sorted) for which `keep(centre, other)` holds.
+    pub(crate) fn find(
+        &mut self,
+        centres: &[Point2<f64>],
+        others: &[Point2<f64>],
+        grid: &CellGrid,
+        radius: f64,
+        keep: impl Fn(usize, usize) -> bool + Sync,
+    ) {
+        self.blocks.resize_with(centres.len().div_ceil(BLOCK), Lists::default);
+        self.blocks.par_iter_mut().zip(centres.par_chunks(BLOCK)).enumerate().for_each(
+            |(block, (lists, centres))| {
+                lists.clear();
+                for (local, centre) in centres.iter().enumerate() {
+                    let own = block * BLOCK + local;
+                    grid.candidates(centre, |other| {
+                        let distance = (others[other] - centre).norm_squared();
+                        if distance < radius * radius && keep(own, other) {
+                            lists.push(other);
+                        }
+                    });
+                    lists.end_list();
+                }
+            },
+        );
+    }
+
+    /// The list of point `i`.
+    #[inline(always)]
+    pub(crate) fn of(&self, i: usize) -> &[u32] {
+        self.blocks[i / BLOCK].of(i % BLOCK)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_what_a_search_over_all_pairs_finds() {
+        // A deterministic scatter, some of it outside the grid.
+        let points: Vec<_> = (0..700)
+            .map(|i| {
+                let i = f64::from(i);
+                Point2::new(
+                    (i * 0.618_034).fract() * 2.2 - 0.1,
+                    (i * 0.414_214).fract() * 1.2 - 0.1,
+                )
+            })
+            .collect();
+        let mut grid = CellGrid::new(Point2::origin(), Point2::new(2.0, 1.0), 0.11);
+        grid.sort(&points);
+        let mut neighbours = Neighbours::default();
+        neighbours.find(&points, &points, &grid, 0.1, |i, j| i != j);
+        for (i, a) in points.iter().enumerate() {
+            let mut found = neighbours.of(i).to_vec();
+            found.sort_unstable();
+            let all: Vec<u32> = (0..points.len())
+                .filter(|&j| j != i && (points[j] - a).norm() < 0.1)
+                .map(|j| j as u32)
+                .collect();
+            assert_eq!(found, all, "point {i}");
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! What can be read off the particles: elevation, pressure, energy, errors.
+
+use crate::fit;
+use crate::fluid::Fluid;
+use crate::geometry::{area_below, placed, placed_corners, signed_distance};
+use crate::loads::PointPressure;
+use crate::small_matrix::Symmetric;
+use nalgebra::{Point2, Vector2};
+use serde::Serialize;
+
+/// How many particles there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct ParticleCounts {
+    /// Fluid particles, those on the surface included.
+    pub fluid: usize,
+    /// Fluid particles on the free surface.
+    pub surface: usize,
+    /// Wall particles of the tank.
+    pub wall: usize,
+    /// Wall particles of rigid boundaries.
+    pub body: usize,
+}
+
+/// State of health of the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Diagnostics {
+    /// Kinetic energy of the water, J/m.
+    pub kinetic_energy: f64,
+    /// Potential energy of the water relative to a flat surface, ½ ρ g ∫ η² dx, J/m.
+    pub potential_energy: f64,
+    /// Change of the volume of water since the start, relative.
+    pub volume_error: f64,
+    /// Root mean square of ∇·u at the middle of the step, before the pressure acts, 1/s.
+    pub divergence_rms: f64,
+    /// Standard deviation of the particle density away from surface and walls, relative to its
+    /// mean.
+    pub density_error_rms: f64,
+    /// Iterations of the last pressure solve.
+    pub pressure_iterations: usize,
+    /// Residual of the last pressure solve, relative to the right-hand side.
+    pub pressure_residual: f64,
+    /// Particles that take part in the step.
+    pub particles_active: usize,
+    /// Largest speed, m/s.
+    pub max_speed: f64,
+    /// Largest |p − ρ g (D − y)| of all particles, Pa.
+    pub max_hydrostatic_pressure_error: f64,
+    /// Particles whose last fit was not quadratic.
+    pub thin_stencils: usize,
+}
+
+/// The particles as they are, in the order of this step.
+#[derive(Clone, Copy)]
+pub struct ParticlesView<'a> {
+    /// Position, m.
+    pub position: &'a [Point2<f64>],
+    /// Velocity, m/s.
+    pub velocity: &'a [Vector2<f64>],
+    /// Dynamic pressure p + ρ g (y − D) of the last step, Pa.
+    pub dynamic_pressure: &'a [f64],
+    /// Whether a particle is on the free surface.
+    pub on_surface: &'a [bool],
+    /// Identity, kept over renumberings.
+    pub identity: &'a [u32],
+}
+
+impl Fluid {
+    /// The particles.
+    #[must_use]
+    pub fn particles(&self) -> ParticlesView<'_> {
+        let particles = &self.state.particles;
+        ParticlesView {
+            position: &particles.position,
+            velocity: &particles.velocity,
+            dynamic_pressure: &particles.pressure,
+            on_surface: &particles.on_surface,
+            identity: &particles.identity,
+        }
+    }
+
+    /// Total pressure of each particle, Pa.
+    pub fn pressures(&self) -> impl Iterator<Item = f64> + '_ {
+        let water = &self.setup.water;
+        let particles = &self.state.particles;
+        particles.pressure.iter().zip(&particles.position).map(move |(dynamic, position)| {
+            dynamic + water.density * water.gravity * (water.depth - position.y)
+        })
+    }
+
+    /// How many particles there are.
+    #[must_use]
+    pub fn particle_counts(&self) -> ParticleCounts {
+        let body: usize =
+            (0..self.setup.boundaries.len()).map(|b| self.walls.of_boundary(b).len()).sum();
+        ParticleCounts {
+            fluid: self.state.particles.len(),
+            surface: self.state.particles.on_surface.iter().filter(|&&s| s).count(),
+            wall: self.walls.len() - body,
+            body,
+        }
+    }
+
+    /// State of health of the last step.
+    #[must_use]
+    pub fn diagnostics(&self) -> Diagnostics {
+        let (water, particles) = (&self.setup.water, &self.state.particles);
+        let mut line = Vec::new();
+        self.surface_line(&mut line);
+        let volume = self.volume_below(&line);
+        let rho_g = water.density * water.gravity;
+        let depth = water.depth;
+        let mut d = Diagnostics {
+            pressure_iterations: self.report.iterations,
+            pressure_residual: self.report.residual,
+            particles_active: particles.len(),
+            volume_error: volume / self.initial_volume - 1.0,
+            potential_energy: 0.5
+                * rho_g
+                * self.integrate_surface(&line, |y| (y - depth) * (y - depth)),
+            ..Diagnostics::default()
+        };
+        // Particles stand for unequal volumes, the more so the longer the run: each weighs what
+        // its density says, all together the volume of the water.
+        let (mut weighted_speed2, mut weight, mut inner, mut density) = (0.0, 0.0, 0usize, 0.0);
+        for (i, local) in self.work.locals.iter().enumerate() {
+            let speed2 = particles.velocity[i].norm_squared();
+            let own = if particles.on_surface[i] { 0.5 } else { 1.0 } / local.density;
+            weighted_speed2 += own * speed2;
+            weight += own;
+            d.max_speed = d.max_speed.max(speed2.sqrt());
+            d.max_hydrostatic_pressure_error =
+                d.max_hydrostatic_pressure_error.max(particles.pressure[i].abs());
+            d.divergence_rms += local.divergence * local.divergence;
+            if local.inside {
+                density += local.density;
+                d.density_error_rms += local.density * local.density;
+                inner += 1;
+            }
+            d.thin_stencils += usize::from(local.quality != fit::Quality::Quadratic);
+        }
+        let inner = inner.max(1) as f64;
+        let mean = density / inner;
+        d.kinetic_energy = 0.5 * water.density * volume * weighted_speed2 / weight;
+        d.divergence_rms = (d.divergence_rms / particles.len() as f64).sqrt();
+        d.density_error_rms = if mean > 0.0 {
+            (d.density_error_rms / inner / (mean * mean) - 1.0).max(0.0).sqrt()
+        } else {
+            0.0
+        };
+        d
+    }
+
+    /// Polygon of boundary `b` where it is now.
+    fn polygon(&self, b: usize) -> Vec<Point2<f64>> {
+        let k = &self.state.kinematics[b];
+        placed(&self.setup.boundaries[b].corners, k.position, k.angle)
+    }
+
+    /// Surface particles by x, into `line`.
+    pub(crate) fn surface_line(&self, line: &mut Vec<Point2<f64>>) {
+        let particles = &self.state.particles;
+        line.clear();
+        line.extend(
+            particles
+                .position
+                .iter()
+                .zip(&particles.on_surface)
+                .filter(|(_, surface)| **surface)
+                .map(|(x, _)| *x),
+        );
+        line.sort_unstable_by(|a, b| a.x.total_cmp(&b.x));
+    }
+
+    /// ∫ f(y) dx along the surface from wall to wall, straight across boundaries.
+    fn integrate_surface(&self, line: &[Point2<f64>], f: impl Fn(f64) -> f64) -> f64 {
+        let (Some(first), Some(last)) = (line.first(), line.last()) else { return 0.0 };
+        let ends = f(first.y) * first.x + f(last.y) * (self.setup.tank.length - last.x);
+        let between: f64 = line
+            .windows(2)
+            .map(|pair| 0.5 * (f(pair[0].y) + f(pair[1].y)) * (pair[1].x - pair[0].x))
+            .sum();
+        ends + between
+    }
+
+    /// Volume of water per metre of width, m²: below the surface, less what boundaries displace.
+    pub(crate) fn volume_below(&self, line: &[Point2<f64>]) -> f64 {
+        let mut volume = self.integrate_surface(line, |y| y);
+        for (boundary, k) in self.setup.boundaries.iter().zip(&self.state.kinematics) {
+            let split = line.partition_point(|p| p.x < k.position.x);
+            if split > 0 && split < line.len() {
+                let corners = placed_corners(&boundary.corners, k.position, k.angle);
+                volume -= area_below(corners, line[split - 1], line[split]);
+            }
+        }
+        volume
+    }
+
+    /// Elevation of the free surface above still water at `x`, m: a quadratic fit to the surface
+    /// particles around. `None` inside a boundary and where there is no water.
+    #[must_use]
+    pub fn surface_elevation(&self, x: f64) -> Option<f64> {
+        let dx = self.setup.numerics.particle_spacing;
+        let particles = &self.state.particles;
+        let polygons: Vec<_> = (0..self.setup.boundaries.len()).map(|b| self.polygon(b)).collect();
+        let mut matrix = Symmetric::<3>::zero();
+        let mut rhs = [0.0; 3];
+        let mut nearest = (f64::INFINITY, 0.0);
+        for (point, &surface) in particles.position.iter().zip(&particles.on_surface) {
+            let d = (point.x - x) / dx;
+            if !surface || d.abs() >= fit::RADIUS {
+                continue;
+            }
+            let halfway = Point2::new(0.5 * (x + point.x), point.y);
+            if polygons.iter().any(|polygon| signed_distance(polygon, halfway) < 0.0) {
+                continue;
+            }
+            let row = [1.0, d, d * d];
+            let weight = fit::bell(d * d);
+            matrix.add_outer(weight, &row);
+            for k in 0..3 {
+                rhs[k] += weight * row[k] * point.y;
+            }
+            if d.abs() < nearest.0 {
+                nearest = (d.abs(), point.y);
+            }
+        }
+        if nearest.0.is_infinite() {
+            return None;
+        }
+        let height = matrix.factorize(1e-4).map_or(nearest.1, |factor| factor.solve(&rhs)[0]);
+        let here = Point2::new(x, height);
+        if polygons.iter().any(|polygon| signed_distance(polygon, here) < 0.0) {
+            return None;
+        }
+        Some(height - self.setup.water.depth)
+    }
+
+    /// Total pressure at `point` over the last step, Pa: a quadratic fit to the particles around.
+    /// `None` outside the water.
+    #[must_use]
+    pub fn pressure_at(&self, point: Point2<f64>) -> Option<f64> {
+        let water = &self.setup.water;
+        if self.surface_elevation(point.x).is_some_and(|eta| point.y > water.depth + eta)
+            || (0..self.setup.boundaries.len())
+                .any(|b| signed_distance(&self.polygon(b), point) < 0.0)
+        {
+            return None;
+        }
+        let radius = fit::RADIUS * self.setup.numerics.particle_spacing;
+        let particles = &self.state.particles;
+        let fields = crate::operators::Fields {
+            position: &particles.position,
+            ..Self::fields(&self.setup, particles, &self.walls, &self.work)
+        };
+        let near = |other: &Point2<f64>| (other - point).norm_squared() < radius * radius;
+        let around = (0..particles.len()).filter(|&j| near(&particles.position[j]));
+        let mut functional = PointPressure::default();
+        // Walls are left out: their data is that of the step, not of the present.
+        functional.build(fields, point, around.map(|j| j as u32), std::iter::empty());
+        let dynamic = functional.evaluate(|j| particles.pressure[j], |_| 0.0);
+        let hydrostatic = water.density * water.gravity * (water.depth - point.y);
+        functional.is_some().then_some(dynamic + hydrostatic)
+    }
+}

@@ -1,0 +1,226 @@
+//! The operators of a step: around each particle one fit gives the divergence of the velocity,
+//! the row of the pressure equation, the gradient functional and the shift.
+
+use crate::fit::{self, PressureFit, Quality, Rows, ValueRow, WallRow};
+use crate::neighbours::{BLOCK, Neighbours};
+use crate::regularise;
+use crate::sparse::SparseMatrix;
+use crate::walls::Walls;
+use nalgebra::{Point2, Vector2};
+use rayon::prelude::*;
+
+/// What the operators read.
+#[derive(Clone, Copy)]
+pub(crate) struct Fields<'a> {
+    pub(crate) position: &'a [Point2<f64>],
+    pub(crate) velocity: &'a [Vector2<f64>],
+    pub(crate) on_surface: &'a [bool],
+    pub(crate) normal: &'a [Vector2<f64>],
+    pub(crate) fluid: &'a Neighbours,
+    pub(crate) wall_lists: &'a Neighbours,
+    pub(crate) walls: &'a Walls,
+    pub(crate) spacing: f64,
+}
+
+/// What the operators give for one particle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Local {
+    /// Pressure functionals; see [`PressureFit`].
+    pub(crate) pressure: PressureFit,
+    /// ∇·u, 1/s.
+    pub(crate) divergence: f64,
+    /// ∇²u, 1/(m s).
+    pub(crate) laplacian_of_velocity: Vector2<f64>,
+    /// Smooth velocity minus velocity, m/s.
+    pub(crate) roughness: Vector2<f64>,
+    /// Shift towards a regular arrangement, m, and what it does to the velocity, m/s.
+    pub(crate) shift: Vector2<f64>,
+    pub(crate) shift_velocity: Vector2<f64>,
+    /// Particle density over that of the regular arrangement, as if the water went on beyond
+    /// surface and walls.
+    pub(crate) density: f64,
+    /// Whether neither surface nor walls are near.
+    pub(crate) inside: bool,
+    /// Sum of the off-diagonal coefficients before the row was scaled by it.
+    pub(crate) diagonal: f64,
+    pub(crate) quality: Quality,
+    /// Whether a wall is part of the fit.
+    pub(crate) at_wall: bool,
+}
+
+/// Scratch of a block of particles.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    rows: Rows,
+}
+
+/// Computes everything local and assembles the pressure matrix: for an inner particle i
+/// p_i − Σ a_ij p_j = −dx² f_i / d_i + (walls), for a surface particle p_i = 0.
+/// Surface neighbours are left out of the matrix: their known pressure is part of the right-hand
+/// side ([`dirichlet`]).
+pub(crate) fn assemble(
+    fields: Fields,
+    scratch: &mut Vec<Scratch>,
+    locals: &mut [Local],
+    matrix: &mut SparseMatrix,
+) {
+    let blocks = fields.position.len().div_ceil(BLOCK);
+    scratch.resize_with(blocks, Scratch::default);
+    matrix.blocks.resize_with(blocks, Default::default);
+    locals
+        .par_chunks_mut(BLOCK)
+        .zip(scratch.par_iter_mut().zip(&mut matrix.blocks))
+        .enumerate()
+        .for_each(|(block, (locals, (scratch, matrix)))| {
+            matrix.clear();
+            let rows = &mut scratch.rows;
+            for (offset, local) in locals.iter_mut().enumerate() {
+                let i = block * BLOCK + offset;
+                gather(fields, i, rows);
+                *local = evaluate(fields, i, rows);
+                if !fields.on_surface[i] && local.diagonal > 0.0 {
+                    for row in &rows.values {
+                        if !fields.on_surface[row.index as usize] {
+                            let a = row.weight * fit::dot(&local.pressure.laplacian, &row.basis);
+                            matrix.push(row.index, -a / local.diagonal);
+                        }
+                    }
+                }
+                matrix.end_row();
+            }
+        });
+}
+
+/// Collects the rows of the fit around particle `i`.
+#[inline(always)]
+fn gather(fields: Fields, i: usize, rows: &mut Rows) {
+    let centre = fields.position[i];
+    let scale = 1.0 / fields.spacing;
+    rows.values.clear();
+    rows.walls.clear();
+    for &j in fields.fluid.of(i) {
+        let d = (fields.position[j as usize] - centre) * scale;
+        let weight = fit::weight(d.norm_squared());
+        rows.values.push(ValueRow { basis: fit::basis(d), weight, index: j });
+    }
+    for &w in fields.wall_lists.of(i) {
+        let part = fields.walls.part(w as usize, centre, fields.spacing);
+        if part > 0.0 {
+            let d = (fields.walls.position[w as usize] - centre) * scale;
+            let normal = fields.walls.normal[w as usize];
+            rows.walls.push(WallRow {
+                basis: fit::basis(d),
+                slope: fit::normal_derivative(d, normal),
+                normal,
+                part,
+                index: w,
+            });
+        }
+    }
+}
+
+#[inline(always)]
+fn evaluate(fields: Fields, i: usize, rows: &Rows) -> Local {
+    let own = fields.velocity[i];
+    let (pressure, velocity, quality) = rows.fit(
+        |j| fields.velocity[j as usize] - own,
+        |row| row.normal.dot(&(fields.walls.velocity[row.index as usize] - own)),
+    );
+    let scale = 1.0 / fields.spacing;
+    let mut local = Local {
+        pressure,
+        divergence: (velocity.u[0] + velocity.v[1]) * scale,
+        laplacian_of_velocity: Vector2::new(
+            velocity.u[2] + velocity.u[4],
+            velocity.v[2] + velocity.v[4],
+        ) * (scale * scale),
+        roughness: velocity.roughness,
+        density: regularise::density(fields, i, rows),
+        inside: rows.walls.is_empty()
+            && !rows.values.iter().any(|row| fields.on_surface[row.index as usize]),
+        quality,
+        at_wall: !rows.walls.is_empty(),
+        ..Local::default()
+    };
+    let shift = regularise::shift(fields, i, rows);
+    let basis = fit::basis(shift);
+    local.shift = shift * fields.spacing;
+    local.shift_velocity =
+        Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v));
+    local.diagonal =
+        rows.values.iter().map(|row| row.weight * fit::dot(&pressure.laplacian, &row.basis)).sum();
+    local
+}
+
+/// Contribution of the surface neighbours of inner particle `i` to its right-hand side, for the
+/// pressure `surface_pressure(j)` on them.
+#[inline(always)]
+pub(crate) fn dirichlet(
+    fields: Fields,
+    i: usize,
+    local: &Local,
+    surface_pressure: impl Fn(usize) -> f64,
+) -> f64 {
+    let scale = 1.0 / fields.spacing;
+    let mut sum = 0.0;
+    for &j in fields.fluid.of(i) {
+        let j = j as usize;
+        if fields.on_surface[j] {
+            let d = (fields.position[j] - fields.position[i]) * scale;
+            let a =
+                fit::weight(d.norm_squared()) * fit::dot(&local.pressure.laplacian, &fit::basis(d));
+            sum += a * surface_pressure(j);
+        }
+    }
+    sum / local.diagonal
+}
+
+/// Sum over the active walls around particle `i` of the Neumann datum `slope(w)` (∂p/∂n, Pa/m)
+/// times its row: what a pressure functional of the particle is multiplied with.
+#[inline(always)]
+pub(crate) fn neumann(fields: Fields, i: usize, slope: impl Fn(usize) -> f64) -> [f64; 5] {
+    let scale = 1.0 / fields.spacing;
+    let mut sum = [0.0; 5];
+    for &w in fields.wall_lists.of(i) {
+        let w = w as usize;
+        let part = fields.walls.part(w, fields.position[i], fields.spacing);
+        if part > 0.0 {
+            let datum = slope(w) * fields.spacing;
+            if datum != 0.0 {
+                let d = (fields.walls.position[w] - fields.position[i]) * scale;
+                let row = fit::normal_derivative(d, fields.walls.normal[w]);
+                let weighted = part * fit::WALL_WEIGHT * fit::bell(d.norm_squared()) * datum;
+                for k in 0..5 {
+                    sum[k] += weighted * row[k];
+                }
+            }
+        }
+    }
+    sum
+}
+
+/// Gradient of `pressure` at particle `i`, Pa/m, with the Neumann sum of [`neumann`].
+#[inline(always)]
+pub(crate) fn gradient(
+    fields: Fields,
+    i: usize,
+    local: &Local,
+    pressure: &[f64],
+    neumann: &[f64; 5],
+) -> Vector2<f64> {
+    let scale = 1.0 / fields.spacing;
+    let mut sum = *neumann;
+    for &j in fields.fluid.of(i) {
+        let j = j as usize;
+        let d = (fields.position[j] - fields.position[i]) * scale;
+        let weighted = fit::weight(d.norm_squared()) * (pressure[j] - pressure[i]);
+        let basis = fit::basis(d);
+        for k in 0..5 {
+            sum[k] += weighted * basis[k];
+        }
+    }
+    Vector2::new(
+        fit::dot(&local.pressure.gradient_x, &sum),
+        fit::dot(&local.pressure.gradient_y, &sum),
+    ) * scale
+}
