@@ -1,7 +1,7 @@
 //! Case files: what a run is asked to do.
 //!
 //! A case goes through three forms: the keys as written ([`CaseKeys`]), the same keys checked and
-//! with every default filled in, and the [`Scene`](crate::scene::Scene) in the terms of the
+//! with every default filled in, and the [`Scene`] in the terms of the
 //! components.
 
 mod checks;
