@@ -240,3 +240,31 @@ fn an_interrupted_run_finishes_its_files_and_says_so() {
     assert!(mcap::Summary::read(&bytes).unwrap().is_some(), "the recording has no index");
     assert!(out.join("motion.svg").exists());
 }
+
+#[test]
+fn a_failed_run_keeps_what_it_has_and_says_what_failed() {
+    let directory = directory();
+    let arguments = [
+        "run",
+        "small.toml",
+        "--quiet",
+        "--out",
+        "out",
+        "--set",
+        "numerics.pressure_max_iterations=1",
+        "--set",
+        "numerics.pressure_tolerance=1e-12",
+    ];
+    let output = run(directory.path(), &arguments);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let message = stderr(&output);
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(message.contains("did not converge") && message.contains("t = 0"), "{message}");
+    let out = directory.path().join("out");
+    let summary: serde_json::Value =
+        serde_json::from_str(&read(&out.join("summary.json"))).unwrap();
+    assert_eq!(summary["status"], "failed");
+    assert!(summary["failure"].as_str().unwrap().contains("did not converge"));
+    assert_eq!(read(&out.join("motion.csv")).lines().count(), 2, "header and start");
+    assert_eq!(messages(&out.join("run.mcap")).0["/motion/pontoon"], 1);
+}
