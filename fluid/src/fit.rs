@@ -30,7 +30,7 @@ const CENTRE_WEIGHT: f64 = 0.5;
 /// spacings. A Neumann row is a slope already and takes the weight without 1/r².
 #[inline(always)]
 pub(crate) fn weight(r2: f64) -> f64 {
-    bell(r2) / (r2 + 1e-2)
+    bell(r2) / (r2 + 0.1)
 }
 
 /// (1 − q)³ (1 + 3 q) = 1 − 6 q² + 8 q³ − 3 q⁴.

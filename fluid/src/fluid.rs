@@ -15,6 +15,7 @@ use crate::neighbours::{BLOCK, CellGrid, Neighbours};
 use crate::operators::{self, Fields, Local, Scratch};
 use crate::particles::{Particles, permute};
 use crate::plan::{Plan, Stage};
+use crate::regularise;
 use crate::setup::FluidSetup;
 use crate::sparse::{Preconditioner, SparseMatrix};
 use crate::walls::{Owner, Walls};
@@ -28,11 +29,11 @@ use std::time::{Duration, Instant};
 const FACTORS_LAST: u64 = 8;
 /// Steps between two renumberings.
 const NUMBERING_LASTS: u64 = 64;
-/// Rate of the velocity filter in units of sqrt(g / dx), inside and at walls: the part of the
-/// roughness that a step takes away is this rate times the step. At walls it also draws the
-/// velocity to what the wall demands.
+/// Rate of the velocity filter in units of sqrt(g / dx), inside and at the edge of the water, the
+/// surface and walls: the part of the roughness that a step takes away is this rate times the
+/// step. At walls it also draws the velocity to what the wall demands.
 const FILTER_RATE: f64 = 1.0;
-const WALL_FILTER_RATE: f64 = 3.0;
+const EDGE_FILTER_RATE: f64 = 3.0;
 /// Largest relative volume error that Eq. (9b) feeds back.
 const LARGEST_FEEDBACK: f64 = 0.01;
 
@@ -688,16 +689,19 @@ impl Fluid {
 
     /// Shifts particles, their velocity with them, and filters what no fit can resolve.
     fn regularise(&mut self, h: f64) {
-        let unit = (self.setup.water.gravity / self.setup.numerics.particle_spacing).sqrt();
+        let spacing = self.setup.numerics.particle_spacing;
+        let unit = (self.setup.water.gravity / spacing).sqrt();
         let part = |rate: f64| (rate * unit * h).min(0.5);
-        let (inside, at_wall) = (part(FILTER_RATE), part(WALL_FILTER_RATE));
+        let (inside, at_edge) = (part(FILTER_RATE), part(EDGE_FILTER_RATE));
         let particles = &mut self.state.particles;
-        for ((x, u), local) in
-            particles.position.iter_mut().zip(&mut particles.velocity).zip(&self.work.locals)
+        let surface = &particles.on_surface;
+        for (((x, u), local), &on_surface) in
+            particles.position.iter_mut().zip(&mut particles.velocity).zip(&self.work.locals).zip(surface)
         {
             *x += local.shift;
-            let part = if local.at_wall { at_wall } else { inside };
+            let part = if local.at_wall || on_surface { at_edge } else { inside };
             *u += local.shift_velocity + local.roughness * part;
+            *u = regularise::collide(*u, local.contact, spacing, h);
         }
     }
 

@@ -44,6 +44,8 @@ pub(crate) struct Local {
     /// Sum of the off-diagonal coefficients before the row was scaled by it.
     pub(crate) diagonal: f64,
     pub(crate) quality: Quality,
+    /// The wall that it stands before.
+    pub(crate) contact: Option<regularise::Contact>,
     /// Whether a wall is part of the fit.
     pub(crate) at_wall: bool,
 }
@@ -140,6 +142,7 @@ fn evaluate(fields: Fields, i: usize, rows: &Rows) -> Local {
             && !rows.values.iter().any(|row| fields.on_surface[row.index as usize]),
         quality,
         at_wall: !rows.walls.is_empty(),
+        contact: regularise::contact(fields, rows),
         ..Local::default()
     };
     let shift = regularise::shift(fields, i, rows);

@@ -15,10 +15,12 @@ use nalgebra::Vector2;
 const RANGE: f64 = 1.8;
 /// Shift a step of a pair at contact, in spacings.
 const STRENGTH: f64 = 0.1;
-/// Part of the unevenness along the surface that a step takes away.
-const SURFACE_STRENGTH: f64 = 0.3;
-/// A surface neighbour closer than this along the surface, in spacings, lies above or below.
-const CLOSEST: f64 = 0.1;
+/// The same among surface particles, which have fewer neighbours and must not crowd.
+const SURFACE_STRENGTH: f64 = 0.5;
+/// A surface neighbour closer than this along the surface, in spacings, says nothing of its shape.
+const CLOSEST: f64 = 0.3;
+/// See [`collide`].
+const APPROACH_STEPS: f64 = 5.0;
 /// Longest shift a step, in spacings.
 const LONGEST: f64 = 0.05;
 
@@ -58,6 +60,44 @@ fn support_within(distance: f64) -> f64 {
     0.5 + q * (1.25589 + p * (-1.74748 + p * (1.53423 + p * -0.54556)))
 }
 
+/// How near the nearest wall is, in spacings, with its normal and its normal velocity (m/s).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contact {
+    pub(crate) distance: f64,
+    pub(crate) normal: Vector2<f64>,
+    pub(crate) wall_velocity: f64,
+}
+
+/// The nearest wall that the particle stands before.
+pub(crate) fn contact(fields: Fields, rows: &Rows) -> Option<Contact> {
+    let mut nearest: Option<Contact> = None;
+    for wall in &rows.walls {
+        let d = Vector2::new(wall.basis[0], wall.basis[1]);
+        if let Some(distance) = foot(fields, d, wall.normal, wall.index)
+            && nearest.is_none_or(|nearest| distance < nearest.distance)
+        {
+            let wall_velocity = fields.walls.velocity[wall.index as usize].dot(&wall.normal);
+            nearest = Some(Contact { distance, normal: wall.normal, wall_velocity });
+        }
+    }
+    nearest
+}
+
+/// Velocity after contact: a particle does not approach a wall faster than would bring it there
+/// in [`APPROACH_STEPS`] steps, so that none passes through. Away from walls, or where a wall's
+/// condition is met as it should be, this does nothing.
+pub(crate) fn collide(
+    velocity: Vector2<f64>,
+    contact: Option<Contact>,
+    spacing: f64,
+    h: f64,
+) -> Vector2<f64> {
+    let Some(contact) = contact else { return velocity };
+    let approach = contact.wall_velocity - velocity.dot(&contact.normal);
+    let allowed = contact.distance.max(0.0) * spacing / (APPROACH_STEPS * h);
+    velocity + contact.normal * (approach - allowed).max(0.0)
+}
+
 /// Distance to the wall particle's piece if the perpendicular from the centre meets it.
 fn foot(fields: Fields, d: Vector2<f64>, normal: Vector2<f64>, w: u32) -> Option<f64> {
     let distance = -d.dot(&normal);
@@ -72,13 +112,14 @@ pub(crate) fn shift(fields: Fields, i: usize, rows: &Rows) -> Vector2<f64> {
     let shift = if fields.on_surface[i] {
         along_surface(fields, i, rows)
     } else {
-        STRENGTH * repulsion(fields, rows)
+        STRENGTH * repulsion(fields, rows, |_| true)
     };
     let length = shift.norm();
     if length > LONGEST { shift * (LONGEST / length) } else { shift }
 }
 
-fn repulsion(fields: Fields, rows: &Rows) -> Vector2<f64> {
+/// Push of the neighbours that `pushes` and of all mirror images in walls, in spacings.
+fn repulsion(fields: Fields, rows: &Rows, pushes: impl Fn(u32) -> bool) -> Vector2<f64> {
     let mut sum = Vector2::zeros();
     let mut push = |d: Vector2<f64>| {
         let r2 = d.norm_squared();
@@ -88,7 +129,7 @@ fn repulsion(fields: Fields, rows: &Rows) -> Vector2<f64> {
             sum -= d * (closeness * closeness / r);
         }
     };
-    for row in &rows.values {
+    for row in rows.values.iter().filter(|row| pushes(row.index)) {
         push(Vector2::new(row.basis[0], row.basis[1]));
     }
     // A wall acts as a mirror: the particle's own image and those of its neighbours.
@@ -99,7 +140,7 @@ fn repulsion(fields: Fields, rows: &Rows) -> Vector2<f64> {
             continue;
         }
         push(-2.0 * distance * wall.normal);
-        for row in &rows.values {
+        for row in rows.values.iter().filter(|row| pushes(row.index)) {
             let d = Vector2::new(row.basis[0], row.basis[1]);
             push(d - 2.0 * (distance + d.dot(&wall.normal)) * wall.normal);
         }
@@ -107,37 +148,23 @@ fn repulsion(fields: Fields, rows: &Rows) -> Vector2<f64> {
     sum
 }
 
+/// Shift along the surface: the push of other surface particles, followed along the parabola
+/// through the nearest on either side.
 fn along_surface(fields: Fields, i: usize, rows: &Rows) -> Vector2<f64> {
     let normal = fields.normal[i];
     let tangent = Vector2::new(normal.y, -normal.x);
-    // Nearest on either side: distance along the surface and height over the tangent.
+    let push = repulsion(fields, rows, |j| fields.on_surface[j as usize]);
+    let along = (SURFACE_STRENGTH * push.dot(&tangent)).clamp(-LONGEST, LONGEST);
     let (mut ahead, mut behind) = (None, None);
-    let mut take = |along: f64, height: f64| {
-        if along.abs() < CLOSEST {
-            return;
-        }
-        let side: &mut Option<(f64, f64)> = if along > 0.0 { &mut ahead } else { &mut behind };
-        if side.is_none_or(|(nearest, _)| along.abs() < nearest.abs()) {
-            *side = Some((along, height));
-        }
-    };
-    for row in &rows.values {
-        if fields.on_surface[row.index as usize] {
-            let d = Vector2::new(row.basis[0], row.basis[1]);
-            take(d.dot(&tangent), d.dot(&normal));
+    for row in rows.values.iter().filter(|row| fields.on_surface[row.index as usize]) {
+        let d = Vector2::new(row.basis[0], row.basis[1]);
+        let (x, height) = (d.dot(&tangent), d.dot(&normal));
+        let side: &mut Option<(f64, f64)> = if x > 0.0 { &mut ahead } else { &mut behind };
+        if x.abs() > CLOSEST && side.is_none_or(|(nearest, _)| x.abs() < nearest.abs()) {
+            *side = Some((x, height));
         }
     }
-    for row in &rows.walls {
-        let facing = row.normal.dot(&tangent);
-        if facing.abs() > 0.5 {
-            let d = Vector2::new(row.basis[0], row.basis[1]);
-            // Mirror image in the wall, at the particle's own height.
-            take(2.0 * d.dot(&row.normal) / facing, 0.0);
-        }
-    }
-    let (Some((a, ha)), Some((b, hb))) = (ahead, behind) else { return Vector2::zeros() };
-    let along = SURFACE_STRENGTH * 0.5 * (a + b);
-    // Stay on the parabola through both neighbours.
+    let (Some((a, ha)), Some((b, hb))) = (ahead, behind) else { return tangent * along };
     let curvature = (ha / a - hb / b) / (a - b);
     let slope = ha / a - curvature * a;
     tangent * along + normal * (along * (slope + curvature * along))
