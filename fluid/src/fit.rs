@@ -5,6 +5,8 @@
 //! B = [x, y, x²/2, xy, y²/2]. Walls enter as further rows: n·∇p = q for the pressure and
 //! n·u = n·U for the velocity, so that no wall unknowns arise and a corner is just two rows.
 
+#![allow(clippy::needless_range_loop)] // sums over columns and triangles read best by index
+
 use crate::small_matrix::{Factor, Symmetric};
 use nalgebra::Vector2;
 
@@ -58,13 +60,120 @@ pub(crate) fn dot(a: &[f64; 5], b: &[f64; 5]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
 }
 
-/// A value row: a neighbouring particle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ValueRow {
-    pub(crate) basis: [f64; 5],
-    pub(crate) weight: f64,
-    /// The neighbour.
-    pub(crate) index: u32,
+/// The value rows: neighbouring particles, a column for each quantity.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Values {
+    /// Offsets in spacings.
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    /// Weight of the row.
+    pub(crate) weight: Vec<f64>,
+    /// Velocity relative to the centre's, m/s.
+    pub(crate) u: Vec<f64>,
+    pub(crate) v: Vec<f64>,
+    /// Coefficient of the row in the Laplacian, set by [`Rows::laplacian`].
+    pub(crate) coefficient: Vec<f64>,
+    /// The neighbour, and whether it is on the surface.
+    pub(crate) index: Vec<u32>,
+    pub(crate) on_surface: Vec<bool>,
+}
+
+impl Values {
+    pub(crate) fn clear(&mut self) {
+        self.x.clear();
+        self.y.clear();
+        self.u.clear();
+        self.v.clear();
+        self.index.clear();
+        self.on_surface.clear();
+    }
+
+    /// Sets the weights of all rows.
+    pub(crate) fn weigh(&mut self) {
+        self.weight.clear();
+        self.weight.extend(self.x.iter().zip(&self.y).map(|(x, y)| weight(x * x + y * y)));
+    }
+
+    /// Offset of row `k` in spacings.
+    #[inline(always)]
+    pub(crate) fn offset(&self, k: usize) -> Vector2<f64> {
+        Vector2::new(self.x[k], self.y[k])
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.index.len()
+    }
+}
+
+/// Sums of the value rows: Σ w xᵃ yᵇ up to degree four, and Σ w u, Σ w u B and the same for v.
+struct Moments {
+    /// Σ w (1, x, y, x²/2, xy, y²/2)ᵀ(1, x, y, x²/2, xy, y²/2).
+    matrix: Symmetric<6>,
+    u: [f64; 6],
+    v: [f64; 6],
+}
+
+impl Moments {
+    #[inline(always)]
+    fn of(values: &Values) -> Self {
+        let n = values.len();
+        let (x, y, w) = (&values.x[..n], &values.y[..n], &values.weight[..n]);
+        let (u, v) = (&values.u[..n], &values.v[..n]);
+        let mut m = [0.0; 15];
+        let (mut mu, mut mv) = ([0.0; 6], [0.0; 6]);
+        for k in 0..n {
+            let (x, y, w) = (x[k], y[k], w[k]);
+            let (xx, xy, yy) = (x * x, x * y, y * y);
+            let (wx, wy) = (w * x, w * y);
+            let (wxx, wxy, wyy) = (w * xx, w * xy, w * yy);
+            m[0] += w;
+            m[1] += wx;
+            m[2] += wy;
+            m[3] += wxx;
+            m[4] += wxy;
+            m[5] += wyy;
+            m[6] += wxx * x;
+            m[7] += wxx * y;
+            m[8] += wyy * x;
+            m[9] += wyy * y;
+            m[10] += wxx * xx;
+            m[11] += wxx * xy;
+            m[12] += wxx * yy;
+            m[13] += wyy * xy;
+            m[14] += wyy * yy;
+            let (wu, wv) = (w * u[k], w * v[k]);
+            for (i, b) in [1.0, x, y, 0.5 * xx, xy, 0.5 * yy].into_iter().enumerate() {
+                mu[i] += wu * b;
+                mv[i] += wv * b;
+            }
+        }
+        let matrix = Symmetric([
+            [m[0], 0.0, 0.0, 0.0, 0.0, 0.0],
+            [m[1], m[3], 0.0, 0.0, 0.0, 0.0],
+            [m[2], m[4], m[5], 0.0, 0.0, 0.0],
+            [0.5 * m[3], 0.5 * m[6], 0.5 * m[7], 0.25 * m[10], 0.0, 0.0],
+            [m[4], m[7], m[8], 0.5 * m[11], m[12], 0.0],
+            [0.5 * m[5], 0.5 * m[8], 0.5 * m[9], 0.25 * m[12], 0.5 * m[13], 0.25 * m[14]],
+        ]);
+        Self { matrix, u: mu, v: mv }
+    }
+
+    /// Σ w B.
+    fn basis(&self) -> [f64; 5] {
+        let m = &self.matrix.0;
+        [m[1][0], m[2][0], m[3][0], m[4][0], m[5][0]]
+    }
+
+    /// Σ w B Bᵀ.
+    fn about_centre(&self) -> Symmetric<5> {
+        let mut inner = Symmetric::zero();
+        for i in 0..5 {
+            for j in 0..=i {
+                inner.0[i][j] = self.matrix.0[i + 1][j + 1];
+            }
+        }
+        inner
+    }
 }
 
 /// A wall row: an active wall particle.
@@ -90,7 +199,7 @@ impl WallRow {
 /// The rows around one particle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
-    pub(crate) values: Vec<ValueRow>,
+    pub(crate) values: Values,
     pub(crate) walls: Vec<WallRow>,
 }
 
@@ -146,26 +255,14 @@ fn factorize<const N: usize>(
 }
 
 impl Rows {
-    /// Fits pressure and velocity. `velocity_change(j)` is u_j − u_i and `wall_excess(w)` is
-    /// n·(U_w − u_i).
+    /// Fits pressure and velocity. `wall_excess(w)` is n·(U_w − u_i).
     #[inline(always)]
     pub(crate) fn fit(
         &self,
-        velocity_change: impl Fn(u32) -> Vector2<f64>,
         wall_excess: impl Fn(&WallRow) -> f64,
     ) -> (PressureFit, VelocityFit, Quality) {
-        let mut values = Symmetric::<5>::zero();
-        let mut rhs_u = [0.0; 5];
-        let mut rhs_v = [0.0; 5];
-        for row in &self.values {
-            values.add_outer(row.weight, &row.basis);
-            let change = row.weight * velocity_change(row.index);
-            for k in 0..5 {
-                rhs_u[k] += row.basis[k] * change.x;
-                rhs_v[k] += row.basis[k] * change.y;
-            }
-        }
-        let mut pressure = values;
+        let moments = Moments::of(&self.values);
+        let mut pressure = moments.about_centre();
         for row in &self.walls {
             pressure.add_outer(row.part * WALL_WEIGHT * bell(row.distance2()), &row.slope);
         }
@@ -179,19 +276,15 @@ impl Rows {
             laplacian: factor.solve(&[0.0, 0.0, 1.0, 0.0, 1.0]),
         };
         let velocity = if self.walls.is_empty() {
-            let (u, v) = (factor.solve(&rhs_u), factor.solve(&rhs_v));
-            let mut roughness = Vector2::zeros();
-            let mut total = 0.0;
-            for row in &self.values {
-                let change = velocity_change(row.index);
-                let misfit =
-                    Vector2::new(change.x - dot(&row.basis, &u), change.y - dot(&row.basis, &v));
-                roughness += row.weight * misfit;
-                total += row.weight;
-            }
-            VelocityFit { u, v, roughness: roughness / total }
+            let [_, u @ ..] = moments.u;
+            let [_, v @ ..] = moments.v;
+            let (u, v) = (factor.solve(&u), factor.solve(&v));
+            // The mean of what the fit misses at the neighbours.
+            let mean = moments.basis();
+            let misfit = Vector2::new(moments.u[0] - dot(&mean, &u), moments.v[0] - dot(&mean, &v));
+            VelocityFit { u, v, roughness: misfit / moments.matrix.0[0][0] }
         } else {
-            self.fit_velocity_at_walls(velocity_change, wall_excess)
+            self.fit_velocity_at_walls(&moments, wall_excess)
         };
         (pressure_fit, velocity, quality)
     }
@@ -201,31 +294,23 @@ impl Rows {
     #[inline(never)]
     fn fit_velocity_at_walls(
         &self,
-        velocity_change: impl Fn(u32) -> Vector2<f64>,
+        moments: &Moments,
         wall_excess: impl Fn(&WallRow) -> f64,
     ) -> VelocityFit {
-        let mut values = Symmetric::<6>::zero();
-        let mut rhs = [0.0; 12];
-        let with_value = |b: &[f64; 5]| [1.0, b[0], b[1], b[2], b[3], b[4]];
-        for row in &self.values {
-            let full = with_value(&row.basis);
-            values.add_outer(row.weight, &full);
-            let change = row.weight * velocity_change(row.index);
-            for k in 0..6 {
-                rhs[k] += full[k] * change.x;
-                rhs[k + 6] += full[k] * change.y;
-            }
-        }
-        values.0[0][0] += CENTRE_WEIGHT;
         let mut matrix = Symmetric::<12>::zero();
+        let mut rhs = [0.0; 12];
         for i in 0..6 {
             for j in 0..=i {
-                matrix.0[i][j] = values.0[i][j];
-                matrix.0[i + 6][j + 6] = values.0[i][j];
+                matrix.0[i][j] = moments.matrix.0[i][j];
+                matrix.0[i + 6][j + 6] = moments.matrix.0[i][j];
             }
+            rhs[i] = moments.u[i];
+            rhs[i + 6] = moments.v[i];
         }
+        matrix.0[0][0] += CENTRE_WEIGHT;
+        matrix.0[6][6] += CENTRE_WEIGHT;
         for row in &self.walls {
-            let full = with_value(&row.basis);
+            let full = [1.0, row.basis[0], row.basis[1], row.basis[2], row.basis[3], row.basis[4]];
             let mut both = [0.0; 12];
             for k in 0..6 {
                 both[k] = row.normal.x * full[k];
@@ -249,5 +334,20 @@ impl Rows {
             }
             None => VelocityFit::default(),
         }
+    }
+
+    /// Sets the coefficients of the value rows in the Laplacian `functional` and returns their
+    /// sum.
+    #[inline(always)]
+    pub(crate) fn laplacian(&mut self, functional: &[f64; 5]) -> f64 {
+        let l = functional;
+        let values = &mut self.values;
+        values.coefficient.clear();
+        values.coefficient.extend(values.x.iter().zip(&values.y).zip(&values.weight).map(
+            |((x, y), w)| {
+                w * (x * (l[0] + 0.5 * l[2] * x + l[3] * y) + y * (l[1] + 0.5 * l[4] * y))
+            },
+        ));
+        values.coefficient.iter().sum()
     }
 }

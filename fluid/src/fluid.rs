@@ -34,6 +34,8 @@ const NUMBERING_LASTS: u64 = 64;
 /// step. At walls it also draws the velocity to what the wall demands.
 const FILTER_RATE: f64 = 1.0;
 const EDGE_FILTER_RATE: f64 = 3.0;
+/// Tolerance of the pressure of unit accelerations, in pressure tolerances.
+const UNIT_TOLERANCE: f64 = 10.0;
 /// Largest relative volume error that Eq. (9b) feeds back.
 const LARGEST_FEEDBACK: f64 = 0.01;
 
@@ -254,6 +256,9 @@ impl Fluid {
                 return Err(FluidError::Kinematics { boundary: boundary.name.clone() });
             }
         }
+        if self.state.step.is_multiple_of(NUMBERING_LASTS) {
+            self.timed(Stage::Renumber, Self::renumber);
+        }
         self.timed(Stage::Neighbours, |fluid| fluid.neighbours(h));
         self.timed(Stage::FreeSurface, Self::free_surface);
         self.timed(Stage::WettedWalls, Self::wetted_walls);
@@ -274,9 +279,6 @@ impl Fluid {
         self.response.at(&self.state.accelerations, &mut self.state.loads);
         self.state.step += 1;
         self.solved_for = None;
-        if self.state.step.is_multiple_of(NUMBERING_LASTS) {
-            self.timed(Stage::Renumber, Self::renumber);
-        }
         Ok(())
     }
 
@@ -425,7 +427,9 @@ impl Fluid {
             let mut solution = std::mem::take(&mut self.work.unit_solution[slot]);
             solution.copy_from_slice(&self.state.unit_pressure[slot]);
             clear_rows(&mut solution, &self.work.on_surface, &self.work.locals);
-            let stop = self.stop(0.0);
+            // Its error enters times the acceleration, and the next step starts from it.
+            let mut stop = self.stop(0.0);
+            stop.relative *= if self.state.step == 0 { 1e-2 } else { UNIT_TOLERANCE };
             let report = self.work.unit_krylov.solve(
                 &self.work.matrix,
                 &mut self.state.preconditioner,
@@ -695,8 +699,12 @@ impl Fluid {
         let (inside, at_edge) = (part(FILTER_RATE), part(EDGE_FILTER_RATE));
         let particles = &mut self.state.particles;
         let surface = &particles.on_surface;
-        for (((x, u), local), &on_surface) in
-            particles.position.iter_mut().zip(&mut particles.velocity).zip(&self.work.locals).zip(surface)
+        for (((x, u), local), &on_surface) in particles
+            .position
+            .iter_mut()
+            .zip(&mut particles.velocity)
+            .zip(&self.work.locals)
+            .zip(surface)
         {
             *x += local.shift;
             let part = if local.at_wall || on_surface { at_edge } else { inside };

@@ -4,6 +4,7 @@ use crate::fit;
 use crate::fluid::Fluid;
 use crate::geometry::{area_below, placed, placed_corners, signed_distance};
 use crate::loads::PointPressure;
+use crate::operators;
 use crate::small_matrix::Symmetric;
 use nalgebra::{Point2, Vector2};
 use serde::Serialize;
@@ -37,6 +38,8 @@ pub struct Diagnostics {
     pub density_error_rms: f64,
     /// Iterations of the last pressure solve.
     pub pressure_iterations: usize,
+    /// Iterations of the last solve for the pressure of unit accelerations.
+    pub added_mass_iterations: usize,
     /// Residual of the last pressure solve, relative to the right-hand side.
     pub pressure_residual: f64,
     /// Particles that take part in the step.
@@ -111,6 +114,7 @@ impl Fluid {
         let depth = water.depth;
         let mut d = Diagnostics {
             pressure_iterations: self.report.iterations,
+            added_mass_iterations: self.unit_report.iterations,
             pressure_residual: self.report.residual,
             particles_active: particles.len(),
             volume_error: volume / self.initial_volume - 1.0,
@@ -122,18 +126,21 @@ impl Fluid {
         // Particles stand for unequal volumes, the more so the longer the run: each weighs what
         // its density says, all together the volume of the water.
         let (mut weighted_speed2, mut weight, mut inner, mut density) = (0.0, 0.0, 0usize, 0.0);
+        let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);
+        let densities = operators::densities(fields);
         for (i, local) in self.work.locals.iter().enumerate() {
+            let (own_density, inside) = densities[i];
             let speed2 = particles.velocity[i].norm_squared();
-            let own = if particles.on_surface[i] { 0.5 } else { 1.0 } / local.density;
+            let own = if particles.on_surface[i] { 0.5 } else { 1.0 } / own_density;
             weighted_speed2 += own * speed2;
             weight += own;
             d.max_speed = d.max_speed.max(speed2.sqrt());
             d.max_hydrostatic_pressure_error =
                 d.max_hydrostatic_pressure_error.max(particles.pressure[i].abs());
             d.divergence_rms += local.divergence * local.divergence;
-            if local.inside {
-                density += local.density;
-                d.density_error_rms += local.density * local.density;
+            if inside {
+                density += own_density;
+                d.density_error_rms += own_density * own_density;
                 inner += 1;
             }
             d.thin_stencils += usize::from(local.quality != fit::Quality::Quadratic);
@@ -248,7 +255,7 @@ impl Fluid {
         }
         let radius = fit::RADIUS * self.setup.numerics.particle_spacing;
         let particles = &self.state.particles;
-        let fields = crate::operators::Fields {
+        let fields = operators::Fields {
             position: &particles.position,
             ..Self::fields(&self.setup, particles, &self.walls, &self.work)
         };

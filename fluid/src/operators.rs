@@ -1,7 +1,7 @@
 //! The operators of a step: around each particle one fit gives the divergence of the velocity,
 //! the row of the pressure equation, the gradient functional and the shift.
 
-use crate::fit::{self, PressureFit, Quality, Rows, ValueRow, WallRow};
+use crate::fit::{self, PressureFit, Quality, Rows, WallRow};
 use crate::neighbours::{BLOCK, Neighbours};
 use crate::regularise;
 use crate::sparse::SparseMatrix;
@@ -36,11 +36,6 @@ pub(crate) struct Local {
     /// Shift towards a regular arrangement, m, and what it does to the velocity, m/s.
     pub(crate) shift: Vector2<f64>,
     pub(crate) shift_velocity: Vector2<f64>,
-    /// Particle density over that of the regular arrangement, as if the water went on beyond
-    /// surface and walls.
-    pub(crate) density: f64,
-    /// Whether neither surface nor walls are near.
-    pub(crate) inside: bool,
     /// Sum of the off-diagonal coefficients before the row was scaled by it.
     pub(crate) diagonal: f64,
     pub(crate) quality: Quality,
@@ -81,11 +76,10 @@ pub(crate) fn assemble(
                 gather(fields, i, rows);
                 *local = evaluate(fields, i, rows);
                 if !fields.on_surface[i] && local.diagonal > 0.0 {
-                    for row in &rows.values {
-                        if !fields.on_surface[row.index as usize] {
-                            let a = row.weight * fit::dot(&local.pressure.laplacian, &row.basis);
-                            matrix.push(row.index, -a / local.diagonal);
-                        }
+                    let scale = -1.0 / local.diagonal;
+                    let values = &rows.values;
+                    for k in (0..values.len()).filter(|&k| !values.on_surface[k]) {
+                        matrix.push(values.index[k], values.coefficient[k] * scale);
                     }
                 }
                 matrix.end_row();
@@ -97,14 +91,22 @@ pub(crate) fn assemble(
 #[inline(always)]
 fn gather(fields: Fields, i: usize, rows: &mut Rows) {
     let centre = fields.position[i];
+    let own = fields.velocity[i];
     let scale = 1.0 / fields.spacing;
-    rows.values.clear();
+    let values = &mut rows.values;
+    values.clear();
     rows.walls.clear();
     for &j in fields.fluid.of(i) {
         let d = (fields.position[j as usize] - centre) * scale;
-        let weight = fit::weight(d.norm_squared());
-        rows.values.push(ValueRow { basis: fit::basis(d), weight, index: j });
+        let change = fields.velocity[j as usize] - own;
+        values.x.push(d.x);
+        values.y.push(d.y);
+        values.u.push(change.x);
+        values.v.push(change.y);
+        values.index.push(j);
+        values.on_surface.push(fields.on_surface[j as usize]);
     }
+    values.weigh();
     for &w in fields.wall_lists.of(i) {
         let part = fields.walls.part(w as usize, centre, fields.spacing);
         if part > 0.0 {
@@ -122,14 +124,14 @@ fn gather(fields: Fields, i: usize, rows: &mut Rows) {
 }
 
 #[inline(always)]
-fn evaluate(fields: Fields, i: usize, rows: &Rows) -> Local {
+fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
     let own = fields.velocity[i];
-    let (pressure, velocity, quality) = rows.fit(
-        |j| fields.velocity[j as usize] - own,
-        |row| row.normal.dot(&(fields.walls.velocity[row.index as usize] - own)),
-    );
+    let (pressure, velocity, quality) =
+        rows.fit(|row| row.normal.dot(&(fields.walls.velocity[row.index as usize] - own)));
     let scale = 1.0 / fields.spacing;
-    let mut local = Local {
+    let shift = regularise::shift(fields, i, rows);
+    let basis = fit::basis(shift);
+    Local {
         pressure,
         divergence: (velocity.u[0] + velocity.v[1]) * scale,
         laplacian_of_velocity: Vector2::new(
@@ -137,22 +139,26 @@ fn evaluate(fields: Fields, i: usize, rows: &Rows) -> Local {
             velocity.v[2] + velocity.v[4],
         ) * (scale * scale),
         roughness: velocity.roughness,
-        density: regularise::density(fields, i, rows),
-        inside: rows.walls.is_empty()
-            && !rows.values.iter().any(|row| fields.on_surface[row.index as usize]),
+        shift: shift * fields.spacing,
+        shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v)),
+        diagonal: rows.laplacian(&pressure.laplacian),
         quality,
-        at_wall: !rows.walls.is_empty(),
         contact: regularise::contact(fields, rows),
-        ..Local::default()
-    };
-    let shift = regularise::shift(fields, i, rows);
-    let basis = fit::basis(shift);
-    local.shift = shift * fields.spacing;
-    local.shift_velocity =
-        Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v));
-    local.diagonal =
-        rows.values.iter().map(|row| row.weight * fit::dot(&pressure.laplacian, &row.basis)).sum();
-    local
+        at_wall: !rows.walls.is_empty(),
+    }
+}
+
+/// Particle density of every particle over that of the regular arrangement, as if the water went
+/// on beyond surface and walls, and whether neither of these is near.
+pub(crate) fn densities(fields: Fields) -> Vec<(f64, bool)> {
+    let mut rows = Rows::default();
+    (0..fields.position.len())
+        .map(|i| {
+            gather(fields, i, &mut rows);
+            let inside = rows.walls.is_empty() && !rows.values.on_surface.contains(&true);
+            (regularise::density(fields, i, &rows), inside)
+        })
+        .collect()
 }
 
 /// Contribution of the surface neighbours of inner particle `i` to its right-hand side, for the

@@ -8,6 +8,8 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
+    /// Renumbering of particles along the tank, now and then.
+    Renumber,
     /// Lists of neighbours among fluid and wall particles.
     Neighbours,
     /// Which particles are on the free surface, and its normal.
@@ -30,13 +32,12 @@ pub enum Stage {
     Damping,
     /// Shifts that keep particles regular.
     Regularise,
-    /// Renumbering of particles along the tank, now and then.
-    Renumber,
 }
 
 impl Stage {
     /// All stages, in order.
     pub const ALL: [Self; 12] = [
+        Self::Renumber,
         Self::Neighbours,
         Self::FreeSurface,
         Self::WettedWalls,
@@ -48,7 +49,6 @@ impl Stage {
         Self::Correct,
         Self::Damping,
         Self::Regularise,
-        Self::Renumber,
     ];
 }
 

@@ -34,12 +34,12 @@ const REGULAR_DENSITY: f64 = 4.2476;
 pub(crate) fn density(fields: Fields, i: usize, rows: &Rows) -> f64 {
     let mut sum = bell(0.0);
     let mut depth = if fields.on_surface[i] { 0.0 } else { RADIUS };
-    for row in &rows.values {
-        let d = Vector2::new(row.basis[0], row.basis[1]);
+    let values = &rows.values;
+    for k in 0..values.len() {
+        let d = values.offset(k);
         sum += bell(d.norm_squared());
-        let j = row.index as usize;
-        if fields.on_surface[j] && !fields.on_surface[i] {
-            depth = depth.min(d.dot(&fields.normal[j]).max(0.0));
+        if values.on_surface[k] && !fields.on_surface[i] {
+            depth = depth.min(d.dot(&fields.normal[values.index[k] as usize]).max(0.0));
         }
     }
     let mut wetted = support_within(depth);
@@ -112,14 +112,17 @@ pub(crate) fn shift(fields: Fields, i: usize, rows: &Rows) -> Vector2<f64> {
     let shift = if fields.on_surface[i] {
         along_surface(fields, i, rows)
     } else {
-        STRENGTH * repulsion(fields, rows, |_| true)
+        STRENGTH * repulsion(fields, rows, false)
     };
     let length = shift.norm();
     if length > LONGEST { shift * (LONGEST / length) } else { shift }
 }
 
-/// Push of the neighbours that `pushes` and of all mirror images in walls, in spacings.
-fn repulsion(fields: Fields, rows: &Rows, pushes: impl Fn(u32) -> bool) -> Vector2<f64> {
+/// Push of the neighbours, or of those on the surface only, and of mirror images in walls, in
+/// spacings.
+fn repulsion(fields: Fields, rows: &Rows, of_surface_only: bool) -> Vector2<f64> {
+    let values = &rows.values;
+    let pushing = || (0..values.len()).filter(|&k| values.on_surface[k] || !of_surface_only);
     let mut sum = Vector2::zeros();
     let mut push = |d: Vector2<f64>| {
         let r2 = d.norm_squared();
@@ -129,9 +132,7 @@ fn repulsion(fields: Fields, rows: &Rows, pushes: impl Fn(u32) -> bool) -> Vecto
             sum -= d * (closeness * closeness / r);
         }
     };
-    for row in rows.values.iter().filter(|row| pushes(row.index)) {
-        push(Vector2::new(row.basis[0], row.basis[1]));
-    }
+    pushing().for_each(|k| push(values.offset(k)));
     // A wall acts as a mirror: the particle's own image and those of its neighbours.
     for wall in &rows.walls {
         let d = Vector2::new(wall.basis[0], wall.basis[1]);
@@ -140,8 +141,7 @@ fn repulsion(fields: Fields, rows: &Rows, pushes: impl Fn(u32) -> bool) -> Vecto
             continue;
         }
         push(-2.0 * distance * wall.normal);
-        for row in rows.values.iter().filter(|row| pushes(row.index)) {
-            let d = Vector2::new(row.basis[0], row.basis[1]);
+        for d in pushing().map(|k| values.offset(k)) {
             push(d - 2.0 * (distance + d.dot(&wall.normal)) * wall.normal);
         }
     }
@@ -153,11 +153,11 @@ fn repulsion(fields: Fields, rows: &Rows, pushes: impl Fn(u32) -> bool) -> Vecto
 fn along_surface(fields: Fields, i: usize, rows: &Rows) -> Vector2<f64> {
     let normal = fields.normal[i];
     let tangent = Vector2::new(normal.y, -normal.x);
-    let push = repulsion(fields, rows, |j| fields.on_surface[j as usize]);
+    let push = repulsion(fields, rows, true);
     let along = (SURFACE_STRENGTH * push.dot(&tangent)).clamp(-LONGEST, LONGEST);
     let (mut ahead, mut behind) = (None, None);
-    for row in rows.values.iter().filter(|row| fields.on_surface[row.index as usize]) {
-        let d = Vector2::new(row.basis[0], row.basis[1]);
+    for k in (0..rows.values.len()).filter(|&k| rows.values.on_surface[k]) {
+        let d = rows.values.offset(k);
         let (x, height) = (d.dot(&tangent), d.dot(&normal));
         let side: &mut Option<(f64, f64)> = if x > 0.0 { &mut ahead } else { &mut behind };
         if x.abs() > CLOSEST && side.is_none_or(|(nearest, _)| x.abs() < nearest.abs()) {
