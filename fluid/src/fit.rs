@@ -60,38 +60,63 @@ pub(crate) fn dot(a: &[f64; 5], b: &[f64; 5]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
 }
 
+/// Value rows that a fit takes at most; a regular arrangement has 20.
+const MOST: usize = 64;
+
 /// The value rows: neighbouring particles, a column for each quantity.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Values {
-    /// Offsets in spacings.
-    pub(crate) x: Vec<f64>,
-    pub(crate) y: Vec<f64>,
-    /// Weight of the row.
-    pub(crate) weight: Vec<f64>,
-    /// Velocity relative to the centre's, m/s.
-    pub(crate) u: Vec<f64>,
-    pub(crate) v: Vec<f64>,
-    /// Coefficient of the row in the Laplacian, set by [`Rows::laplacian`].
-    pub(crate) coefficient: Vec<f64>,
-    /// The neighbour, and whether it is on the surface.
-    pub(crate) index: Vec<u32>,
-    pub(crate) on_surface: Vec<bool>,
+    len: usize,
+    x: [f64; MOST],
+    y: [f64; MOST],
+    weight: [f64; MOST],
+    u: [f64; MOST],
+    v: [f64; MOST],
+    coefficient: [f64; MOST],
+    index: [u32; MOST],
+    on_surface: [bool; MOST],
+}
+
+impl Default for Values {
+    fn default() -> Self {
+        let zero = [0.0; MOST];
+        Self {
+            len: 0,
+            x: zero,
+            y: zero,
+            weight: zero,
+            u: zero,
+            v: zero,
+            coefficient: zero,
+            index: [0; MOST],
+            on_surface: [false; MOST],
+        }
+    }
 }
 
 impl Values {
-    pub(crate) fn clear(&mut self) {
-        self.x.clear();
-        self.y.clear();
-        self.u.clear();
-        self.v.clear();
-        self.index.clear();
-        self.on_surface.clear();
-    }
-
-    /// Sets the weights of all rows.
-    pub(crate) fn weigh(&mut self) {
-        self.weight.clear();
-        self.weight.extend(self.x.iter().zip(&self.y).map(|(x, y)| weight(x * x + y * y)));
+    /// Takes the neighbours `list`: `row(j)` is the offset of j in spacings, its velocity
+    /// relative to the centre's (m/s), and whether it is on the surface.
+    #[inline(always)]
+    pub(crate) fn gather(
+        &mut self,
+        list: &[u32],
+        row: impl Fn(usize) -> (Vector2<f64>, Vector2<f64>, bool),
+    ) {
+        self.len = list.len().min(MOST);
+        for (k, &j) in list.iter().take(MOST).enumerate() {
+            let (d, velocity, on_surface) = row(j as usize);
+            self.x[k] = d.x;
+            self.y[k] = d.y;
+            self.u[k] = velocity.x;
+            self.v[k] = velocity.y;
+            self.index[k] = j;
+            self.on_surface[k] = on_surface;
+        }
+        let n = self.len;
+        for ((w, x), y) in self.weight[..n].iter_mut().zip(&self.x[..n]).zip(&self.y[..n]) {
+            *w = weight(x * x + y * y);
+        }
     }
 
     /// Offset of row `k` in spacings.
@@ -101,7 +126,22 @@ impl Values {
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.index.len()
+        self.len
+    }
+
+    /// The neighbours.
+    pub(crate) fn index(&self) -> &[u32] {
+        &self.index[..self.len]
+    }
+
+    /// Whether each is on the surface.
+    pub(crate) fn on_surface(&self) -> &[bool] {
+        &self.on_surface[..self.len]
+    }
+
+    /// Coefficient of each in the Laplacian; see [`Rows::laplacian`].
+    pub(crate) fn coefficients(&self) -> &[f64] {
+        &self.coefficient[..self.len]
     }
 }
 
@@ -342,12 +382,13 @@ impl Rows {
     pub(crate) fn laplacian(&mut self, functional: &[f64; 5]) -> f64 {
         let l = functional;
         let values = &mut self.values;
-        values.coefficient.clear();
-        values.coefficient.extend(values.x.iter().zip(&values.y).zip(&values.weight).map(
-            |((x, y), w)| {
-                w * (x * (l[0] + 0.5 * l[2] * x + l[3] * y) + y * (l[1] + 0.5 * l[4] * y))
-            },
-        ));
-        values.coefficient.iter().sum()
+        let n = values.len;
+        let offsets = values.x[..n].iter().zip(&values.y[..n]);
+        let weighted = offsets.zip(&values.weight[..n]);
+        for (coefficient, ((x, y), w)) in values.coefficient[..n].iter_mut().zip(weighted) {
+            *coefficient =
+                w * (x * (l[0] + 0.5 * l[2] * x + l[3] * y) + y * (l[1] + 0.5 * l[4] * y));
+        }
+        values.coefficients().iter().sum()
     }
 }

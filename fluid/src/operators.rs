@@ -78,8 +78,11 @@ pub(crate) fn assemble(
                 if !fields.on_surface[i] && local.diagonal > 0.0 {
                     let scale = -1.0 / local.diagonal;
                     let values = &rows.values;
-                    for k in (0..values.len()).filter(|&k| !values.on_surface[k]) {
-                        matrix.push(values.index[k], values.coefficient[k] * scale);
+                    let entries = values.index().iter().zip(values.coefficients());
+                    for ((&j, a), &known) in entries.zip(values.on_surface()) {
+                        if !known {
+                            matrix.push(j, a * scale);
+                        }
                     }
                 }
                 matrix.end_row();
@@ -93,20 +96,10 @@ fn gather(fields: Fields, i: usize, rows: &mut Rows) {
     let centre = fields.position[i];
     let own = fields.velocity[i];
     let scale = 1.0 / fields.spacing;
-    let values = &mut rows.values;
-    values.clear();
+    rows.values.gather(fields.fluid.of(i), |j| {
+        ((fields.position[j] - centre) * scale, fields.velocity[j] - own, fields.on_surface[j])
+    });
     rows.walls.clear();
-    for &j in fields.fluid.of(i) {
-        let d = (fields.position[j as usize] - centre) * scale;
-        let change = fields.velocity[j as usize] - own;
-        values.x.push(d.x);
-        values.y.push(d.y);
-        values.u.push(change.x);
-        values.v.push(change.y);
-        values.index.push(j);
-        values.on_surface.push(fields.on_surface[j as usize]);
-    }
-    values.weigh();
     for &w in fields.wall_lists.of(i) {
         let part = fields.walls.part(w as usize, centre, fields.spacing);
         if part > 0.0 {
@@ -155,7 +148,7 @@ pub(crate) fn densities(fields: Fields) -> Vec<(f64, bool)> {
     (0..fields.position.len())
         .map(|i| {
             gather(fields, i, &mut rows);
-            let inside = rows.walls.is_empty() && !rows.values.on_surface.contains(&true);
+            let inside = rows.walls.is_empty() && !rows.values.on_surface().contains(&true);
             (regularise::density(fields, i, &rows), inside)
         })
         .collect()

@@ -38,8 +38,8 @@ pub(crate) fn density(fields: Fields, i: usize, rows: &Rows) -> f64 {
     for k in 0..values.len() {
         let d = values.offset(k);
         sum += bell(d.norm_squared());
-        if values.on_surface[k] && !fields.on_surface[i] {
-            depth = depth.min(d.dot(&fields.normal[values.index[k] as usize]).max(0.0));
+        if values.on_surface()[k] && !fields.on_surface[i] {
+            depth = depth.min(d.dot(&fields.normal[values.index()[k] as usize]).max(0.0));
         }
     }
     let mut wetted = support_within(depth);
@@ -122,7 +122,7 @@ pub(crate) fn shift(fields: Fields, i: usize, rows: &Rows) -> Vector2<f64> {
 /// spacings.
 fn repulsion(fields: Fields, rows: &Rows, of_surface_only: bool) -> Vector2<f64> {
     let values = &rows.values;
-    let pushing = || (0..values.len()).filter(|&k| values.on_surface[k] || !of_surface_only);
+    let pushing = || (0..values.len()).filter(|&k| values.on_surface()[k] || !of_surface_only);
     let mut sum = Vector2::zeros();
     let mut push = |d: Vector2<f64>| {
         let r2 = d.norm_squared();
@@ -156,7 +156,7 @@ fn along_surface(fields: Fields, i: usize, rows: &Rows) -> Vector2<f64> {
     let push = repulsion(fields, rows, true);
     let along = (SURFACE_STRENGTH * push.dot(&tangent)).clamp(-LONGEST, LONGEST);
     let (mut ahead, mut behind) = (None, None);
-    for k in (0..rows.values.len()).filter(|&k| rows.values.on_surface[k]) {
+    for k in (0..rows.values.len()).filter(|&k| rows.values.on_surface()[k]) {
         let d = rows.values.offset(k);
         let (x, height) = (d.dot(&tangent), d.dot(&normal));
         let side: &mut Option<(f64, f64)> = if x > 0.0 { &mut ahead } else { &mut behind };
