@@ -107,6 +107,10 @@ impl<const R: usize> Krylov<R> {
         let floor = stop.absolute * stop.absolute * n as f64;
         self.t.copy_from_slice(b);
         let [b2, _] = self.dots(|s| [&s.t, &s.t, &s.t]);
+        // No tolerance relative to zero can be met from a guess that is not.
+        for k in (0..R).filter(|&k| b2[k] == 0.0) {
+            x.iter_mut().for_each(|x| x[k] = 0.0);
+        }
         let goal: Entry<R> =
             std::array::from_fn(|k| (stop.relative * stop.relative * b2[k]).max(floor));
         let mut report = Report::default();
