@@ -25,6 +25,8 @@ mod regularise;
 pub mod setup;
 mod small_matrix;
 mod sparse;
+#[cfg(test)]
+mod tests;
 mod walls;
 
 pub use error::FluidError;
