@@ -25,7 +25,7 @@ const LINEAR_FALLBACK: f64 = 10.0;
 /// the surface meets a wall: with 1 the contact line becomes unstable.
 pub(crate) const WALL_WEIGHT: f64 = 0.2;
 
-/// Weight of the centre's own value in a velocity fit at a wall.
+/// Weight of the centre's own value where a velocity fit leaves it free.
 const CENTRE_WEIGHT: f64 = 0.5;
 
 /// Weight of a value row, (1 − q)³ (1 + 3 q) / r², q = r / radius, at squared distance `r2` in
@@ -319,10 +319,12 @@ impl Rows {
             let [_, u @ ..] = moments.u;
             let [_, v @ ..] = moments.v;
             let (u, v) = (factor.solve(&u), factor.solve(&v));
-            // The mean of what the fit misses at the neighbours.
+            // Were the value at the centre free too, with a weight of its own, it would change by
+            // what the fit misses at the neighbours, after elimination of the other unknowns.
             let mean = moments.basis();
+            let pivot = CENTRE_WEIGHT + moments.matrix.0[0][0] - dot(&mean, &factor.solve(&mean));
             let misfit = Vector2::new(moments.u[0] - dot(&mean, &u), moments.v[0] - dot(&mean, &v));
-            VelocityFit { u, v, roughness: misfit / moments.matrix.0[0][0] }
+            VelocityFit { u, v, roughness: misfit / pivot }
         } else {
             self.fit_velocity_at_walls(&moments, wall_excess)
         };

@@ -4,6 +4,7 @@ use crate::fit;
 use crate::fluid::Fluid;
 use crate::geometry::{area_below, placed, placed_corners, signed_distance};
 use crate::loads::PointPressure;
+use crate::neighbours::CellGrid;
 use crate::operators;
 use crate::small_matrix::Symmetric;
 use nalgebra::{Point2, Vector2};
@@ -67,6 +68,17 @@ pub struct ParticlesView<'a> {
     pub identity: &'a [u32],
 }
 
+/// Height of the surface `line` at `x`, level beyond its ends, m.
+fn height_of(line: &[Point2<f64>], x: f64) -> f64 {
+    let after = line.partition_point(|p| p.x < x);
+    match (after.checked_sub(1).map(|before| line[before]), line.get(after)) {
+        (Some(a), Some(b)) => a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x),
+        (Some(end), None) => end.y,
+        (None, Some(end)) => end.y,
+        (None, None) => 0.0,
+    }
+}
+
 impl Fluid {
     /// The particles.
     #[must_use]
@@ -123,38 +135,59 @@ impl Fluid {
                 * self.integrate_surface(&line, |y| (y - depth) * (y - depth)),
             ..Diagnostics::default()
         };
-        // Particles stand for unequal volumes, the more so the longer the run: each weighs what
-        // its density says, all together the volume of the water.
-        let (mut weighted_speed2, mut weight, mut inner, mut density) = (0.0, 0.0, 0usize, 0.0);
-        let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);
-        let densities = operators::densities(fields);
+        let volumes = self.particle_volumes(&line);
         for (i, local) in self.work.locals.iter().enumerate() {
-            let (own_density, inside) = densities[i];
             let speed2 = particles.velocity[i].norm_squared();
-            let own = if particles.on_surface[i] { 0.5 } else { 1.0 } / own_density;
-            weighted_speed2 += own * speed2;
-            weight += own;
+            d.kinetic_energy += 0.5 * water.density * volumes[i] * speed2;
             d.max_speed = d.max_speed.max(speed2.sqrt());
             d.max_hydrostatic_pressure_error =
                 d.max_hydrostatic_pressure_error.max(particles.pressure[i].abs());
             d.divergence_rms += local.divergence * local.divergence;
-            if inside {
-                density += own_density;
-                d.density_error_rms += own_density * own_density;
-                inner += 1;
-            }
             d.thin_stencils += usize::from(local.quality != fit::Quality::Quadratic);
         }
-        let inner = inner.max(1) as f64;
-        let mean = density / inner;
-        d.kinetic_energy = 0.5 * water.density * volume * weighted_speed2 / weight;
         d.divergence_rms = (d.divergence_rms / particles.len() as f64).sqrt();
-        d.density_error_rms = if mean > 0.0 {
-            (d.density_error_rms / inner / (mean * mean) - 1.0).max(0.0).sqrt()
-        } else {
-            0.0
-        };
+        let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);
+        d.density_error_rms = operators::density_deviation(fields);
         d
+    }
+
+    /// Volume that each particle stands for, m² per metre of width: the water nearest to it,
+    /// found by sampling.
+    fn particle_volumes(&self, line: &[Point2<f64>]) -> Vec<f64> {
+        const SAMPLES_A_SPACING: f64 = 4.0;
+        let position = &self.state.particles.position;
+        let dx = self.setup.numerics.particle_spacing;
+        let mut volumes = vec![0.0; position.len()];
+        let tank = &self.setup.tank;
+        let mut grid =
+            CellGrid::new(Point2::origin(), Point2::new(tank.length, tank.height), 1.5 * dx);
+        grid.sort(position);
+        let polygons: Vec<_> = (0..self.setup.boundaries.len()).map(|b| self.polygon(b)).collect();
+        let columns = (tank.length / dx * SAMPLES_A_SPACING).ceil();
+        let width = tank.length / columns;
+        for column in 0..columns as usize {
+            let x = (column as f64 + 0.5) * width;
+            let surface = height_of(line, x);
+            let rows = (surface / dx * SAMPLES_A_SPACING).ceil().max(1.0);
+            let height = surface / rows;
+            for row in 0..rows as usize {
+                let sample = Point2::new(x, (row as f64 + 0.5) * height);
+                if polygons.iter().any(|polygon| signed_distance(polygon, sample) < 0.0) {
+                    continue;
+                }
+                let mut nearest = (f64::INFINITY, usize::MAX);
+                grid.candidates(&sample, |i| {
+                    let distance = (position[i] - sample).norm_squared();
+                    if distance < nearest.0 {
+                        nearest = (distance, i);
+                    }
+                });
+                if let Some(volume) = volumes.get_mut(nearest.1) {
+                    *volume += width * height;
+                }
+            }
+        }
+        volumes
     }
 
     /// Polygon of boundary `b` where it is now.

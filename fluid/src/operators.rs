@@ -41,8 +41,6 @@ pub(crate) struct Local {
     pub(crate) quality: Quality,
     /// The wall that it stands before.
     pub(crate) contact: Option<regularise::Contact>,
-    /// Whether a wall is part of the fit.
-    pub(crate) at_wall: bool,
 }
 
 /// Scratch of a block of particles.
@@ -137,21 +135,29 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
         diagonal: rows.laplacian(&pressure.laplacian),
         quality,
         contact: regularise::contact(fields, rows),
-        at_wall: !rows.walls.is_empty(),
     }
 }
 
-/// Particle density of every particle over that of the regular arrangement, as if the water went
-/// on beyond surface and walls, and whether neither of these is near.
-pub(crate) fn densities(fields: Fields) -> Vec<(f64, bool)> {
-    let mut rows = Rows::default();
-    (0..fields.position.len())
-        .map(|i| {
-            gather(fields, i, &mut rows);
-            let inside = rows.walls.is_empty() && !rows.values.on_surface().contains(&true);
-            (regularise::density(fields, i, &rows), inside)
-        })
-        .collect()
+/// Standard deviation of the particle density away from surface and walls, relative to its mean.
+pub(crate) fn density_deviation(fields: Fields) -> f64 {
+    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+    for i in 0..fields.position.len() {
+        let list = fields.fluid.of(i);
+        let surface = list.iter().any(|&j| fields.on_surface[j as usize]);
+        if surface || fields.on_surface[i] || !fields.wall_lists.of(i).is_empty() {
+            continue;
+        }
+        let distance2 = |j: &u32| {
+            (fields.position[*j as usize] - fields.position[i]).norm_squared()
+                / (fields.spacing * fields.spacing)
+        };
+        let density: f64 =
+            fit::bell(0.0) + list.iter().map(|j| fit::bell(distance2(j))).sum::<f64>();
+        sum += density;
+        squares += density * density;
+        count += 1.0;
+    }
+    if count == 0.0 { 0.0 } else { (squares * count / (sum * sum) - 1.0).max(0.0).sqrt() }
 }
 
 /// Contribution of the surface neighbours of inner particle `i` to its right-hand side, for the

@@ -6,7 +6,7 @@
 //! velocity along with the quadratic fit, so that it is a change of sampling points, not of the
 //! flow.
 
-use crate::fit::{RADIUS, Rows, bell};
+use crate::fit::Rows;
 use crate::operators::Fields;
 use nalgebra::Vector2;
 
@@ -23,42 +23,6 @@ const CLOSEST: f64 = 0.3;
 const APPROACH_STEPS: f64 = 5.0;
 /// Longest shift a step, in spacings.
 const LONGEST: f64 = 0.05;
-
-/// Sum of [`bell`] over a regular arrangement at distance 1, with the centre itself; square and
-/// hexagonal arrangements differ by 0.2 %.
-const REGULAR_DENSITY: f64 = 4.2476;
-
-/// Particle density relative to a regular arrangement: the sum over the neighbours, divided by
-/// the part of the support that lies in the water, which surface and walls cut straight.
-#[inline(always)]
-pub(crate) fn density(fields: Fields, i: usize, rows: &Rows) -> f64 {
-    let mut sum = bell(0.0);
-    let mut depth = if fields.on_surface[i] { 0.0 } else { RADIUS };
-    let values = &rows.values;
-    for k in 0..values.len() {
-        let d = values.offset(k);
-        sum += bell(d.norm_squared());
-        if values.on_surface()[k] && !fields.on_surface[i] {
-            depth = depth.min(d.dot(&fields.normal[values.index()[k] as usize]).max(0.0));
-        }
-    }
-    let mut wetted = support_within(depth);
-    for wall in &rows.walls {
-        let d = Vector2::new(wall.basis[0], wall.basis[1]);
-        if let Some(distance) = foot(fields, d, wall.normal, wall.index) {
-            wetted *= support_within(distance.max(0.0));
-        }
-    }
-    sum / (REGULAR_DENSITY * wetted)
-}
-
-/// Part of the integral of [`bell`] over the plane that lies on the near side of a straight line
-/// at `distance` (spacings): a fit to the integral, good to 0.003.
-fn support_within(distance: f64) -> f64 {
-    let q = (distance / RADIUS).min(1.0);
-    let p = q * q;
-    0.5 + q * (1.25589 + p * (-1.74748 + p * (1.53423 + p * -0.54556)))
-}
 
 /// How near the nearest wall is, in spacings, with its normal and its normal velocity (m/s).
 #[derive(Clone, Copy, Debug)]

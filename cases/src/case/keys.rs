@@ -263,7 +263,7 @@ fn default_density_blend() -> f64 {
 }
 
 fn default_pressure_tolerance() -> f64 {
-    1e-4
+    1e-3
 }
 
 fn default_pressure_max_iterations() -> u32 {
