@@ -9,12 +9,19 @@ use seakeep_coupler::interface::Load;
 
 /// Pressure at a point as a linear functional of the pressures around it: a quadratic
 /// least-squares fit about the point itself, with the walls' Neumann data as rows.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct PointPressure {
     /// Fluid particle and its coefficient.
     values: Vec<(u32, f64)>,
     /// Wall particle and the coefficient of its ∂p/∂n.
     slopes: Vec<(u32, f64)>,
+}
+
+impl Default for PointPressure {
+    /// With room for a neighbourhood, so that no later step needs to make it.
+    fn default() -> Self {
+        Self { values: Vec::with_capacity(64), slopes: Vec::with_capacity(16) }
+    }
 }
 
 impl PointPressure {

@@ -23,16 +23,18 @@ impl<const N: usize> Symmetric<N> {
         }
     }
 
-    /// Factorizes; `None` where a pivot falls below `threshold` times the diagonal it began as.
+    /// Factorizes; `None` where a pivot falls below `threshold` times the diagonal it began as, or
+    /// a tenth of that times the trace: a direction in which there is nothing to tell.
     #[inline(always)]
     pub(crate) fn factorize(mut self, threshold: f64) -> Option<Factor<N>> {
+        let trace: f64 = (0..N).map(|j| self.0[j][j]).sum();
         let a = &mut self.0;
         for j in 0..N {
             let mut pivot = a[j][j];
             for k in 0..j {
                 pivot -= a[j][k] * a[j][k];
             }
-            if pivot.is_nan() || pivot <= threshold * a[j][j] || pivot <= 0.0 {
+            if pivot.is_nan() || pivot <= threshold * a[j][j].max(0.1 * trace) {
                 return None;
             }
             let inverse = 1.0 / pivot.sqrt();
