@@ -9,6 +9,7 @@
 
 mod component;
 mod error;
+mod fields;
 mod fill;
 mod fit;
 mod fluid;
@@ -16,17 +17,21 @@ mod free_surface;
 mod geometry;
 mod krylov;
 mod loads;
+mod motion;
 mod neighbours;
 mod observe;
 mod operators;
 mod particles;
 mod plan;
+mod pressure;
 mod regularise;
 pub mod setup;
 mod small_matrix;
 mod sparse;
+mod state;
 #[cfg(test)]
 mod tests;
+mod variables;
 mod walls;
 
 pub use error::FluidError;

@@ -1,11 +1,14 @@
 //! Loads on rigid boundaries: pressure at the wall particles, integrated over the wetted wall.
 
+use crate::fields::Fields;
 use crate::fit;
+use crate::fluid::Fluid;
 use crate::geometry::cross;
-use crate::operators::Fields;
 use crate::small_matrix::Symmetric;
+use crate::walls::Owner;
 use nalgebra::{Point2, Vector2};
-use seakeep_coupler::interface::Load;
+use rayon::prelude::*;
+use seakeep_coupler::interface::{Load, LoadResponse};
 
 /// Pressure at a point as a linear functional of the pressures around it: a quadratic
 /// least-squares fit about the point itself, with the walls' Neumann data as rows.
@@ -112,4 +115,70 @@ pub(crate) fn load_on_piece(
 ) -> Load {
     let force = -normal * (pressure * length);
     Load { force, torque: cross(point - centre, force) }
+}
+
+impl Fluid {
+    /// F_0 and A of F = F_0 − A a, Eqs. (19) and (20).
+    pub(crate) fn loads_at_zero_acceleration(&mut self) {
+        let mut wall_pressure = std::mem::take(&mut self.work.wall_pressure);
+        let fields = Self::fields(&self.setup, &self.state.particles, &self.walls, &self.work);
+        let water = &self.setup.water;
+        let mut response = std::mem::replace(&mut self.response, LoadResponse::zero(0));
+        let (at_zero, added_mass) = (&mut response.at_zero_acceleration, &mut response.added_mass);
+        at_zero.fill(Load::zero());
+        added_mass.fill(0.0);
+        for (b, total) in at_zero.iter_mut().enumerate() {
+            let range = self.walls.of_boundary(b);
+            let centre = self.walls.centre[b];
+            wall_pressure.resize_with(range.len().max(wall_pressure.len()), Default::default);
+            wall_pressure[..range.len()].par_iter_mut().enumerate().for_each(|(k, functional)| {
+                let w = range.start + k;
+                if self.walls.wetted[w] > 0.0 {
+                    let around = self.work.fluid_of_walls.of(w).iter().copied();
+                    functional.build(fields, self.walls.position[w], around, range.clone());
+                }
+            });
+            for (w, functional) in range.clone().zip(&wall_pressure) {
+                let wetted = self.walls.wetted[w];
+                if wetted == 0.0 {
+                    continue;
+                }
+                let value = |i: usize| {
+                    if fields.on_surface[i] {
+                        self.surface_pressure(i)
+                    } else {
+                        self.work.solution[i][0]
+                    }
+                };
+                let dynamic = functional.evaluate(value, |w| self.known_slope(w));
+                let (normal, length) = (self.walls.normal[w], self.walls.length[w] * wetted);
+                let point = self.walls.wetted_middle[w];
+                let hydrostatic = water.density * water.gravity * (water.depth - point.y);
+                let load = load_on_piece(normal, length, point, centre, dynamic + hydrostatic);
+                total.force += load.force;
+                total.torque += load.torque;
+                for (slot, &other) in self.free.iter().enumerate() {
+                    for mode in 0..3 {
+                        let unit = functional.evaluate(
+                            |i| self.work.unit_solution[slot][i][mode],
+                            |w| {
+                                if self.walls.owner[w] == Owner::Boundary(other) {
+                                    self.slope(w, other, |k| f64::from(u8::from(k == mode)))
+                                } else {
+                                    0.0
+                                }
+                            },
+                        );
+                        let reaction = load_on_piece(normal, length, point, centre, unit);
+                        let column = 3 * other + mode;
+                        added_mass[(3 * b, column)] -= reaction.force.x;
+                        added_mass[(3 * b + 1, column)] -= reaction.force.y;
+                        added_mass[(3 * b + 2, column)] -= reaction.torque;
+                    }
+                }
+            }
+        }
+        self.response = response;
+        self.work.wall_pressure = wall_pressure;
+    }
 }

@@ -1,5 +1,6 @@
 //! What can be read off the particles: elevation, pressure, energy, errors.
 
+use crate::fields::Fields;
 use crate::fit;
 use crate::fluid::Fluid;
 use crate::geometry::{area_below, placed, placed_corners, signed_distance};
@@ -288,7 +289,7 @@ impl Fluid {
         }
         let radius = fit::RADIUS * self.setup.numerics.particle_spacing;
         let particles = &self.state.particles;
-        let fields = operators::Fields {
+        let fields = Fields {
             position: &particles.position,
             ..Self::fields(&self.setup, particles, &self.walls, &self.work)
         };

@@ -1,26 +1,13 @@
 //! The operators of a step: around each particle one fit gives the divergence of the velocity,
 //! the row of the pressure equation, the gradient functional and the shift.
 
+use crate::fields::Fields;
 use crate::fit::{self, PressureFit, Quality, Rows, WallRow};
-use crate::neighbours::{BLOCK, Neighbours};
+use crate::neighbours::BLOCK;
 use crate::regularise;
 use crate::sparse::SparseMatrix;
-use crate::walls::Walls;
-use nalgebra::{Point2, Vector2};
+use nalgebra::Vector2;
 use rayon::prelude::*;
-
-/// What the operators read.
-#[derive(Clone, Copy)]
-pub(crate) struct Fields<'a> {
-    pub(crate) position: &'a [Point2<f64>],
-    pub(crate) velocity: &'a [Vector2<f64>],
-    pub(crate) on_surface: &'a [bool],
-    pub(crate) normal: &'a [Vector2<f64>],
-    pub(crate) fluid: &'a Neighbours,
-    pub(crate) wall_lists: &'a Neighbours,
-    pub(crate) walls: &'a Walls,
-    pub(crate) spacing: f64,
-}
 
 /// What the operators give for one particle.
 #[derive(Clone, Copy, Debug, Default)]

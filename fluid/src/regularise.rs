@@ -6,8 +6,8 @@
 //! velocity along with the quadratic fit, so that it is a change of sampling points, not of the
 //! flow.
 
+use crate::fields::Fields;
 use crate::fit::Rows;
-use crate::operators::Fields;
 use nalgebra::Vector2;
 
 /// Range of the repulsion in spacings: below two, so that the row under the surface sees as much

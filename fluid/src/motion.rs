@@ -1,0 +1,160 @@
+//! The stages that move particles: correction, damping zones, regularisation, renumbering.
+
+use crate::error::FluidError;
+use crate::fit;
+use crate::fluid::Fluid;
+use crate::neighbours::BLOCK;
+use crate::operators;
+use crate::particles::permute;
+use crate::plan::Stage;
+use crate::regularise;
+use crate::walls::Owner;
+use nalgebra::Vector2;
+use rayon::prelude::*;
+
+/// Rate of the velocity filter in units of sqrt(g / dx): the part of the roughness that a step
+/// takes away is this rate times the step. At walls it also draws the velocity to what the wall
+/// demands.
+const FILTER_RATE: f64 = 2.0;
+
+impl Fluid {
+    /// Eqs. (10) to (12): velocity from the pressure gradient at the midpoint, then half a drift.
+    pub(crate) fn correct(&mut self, h: f64) {
+        let mut pressure = std::mem::take(&mut self.work.pressure);
+        let this = &*self;
+        pressure.par_chunks_mut(BLOCK).enumerate().for_each(|(block, pressure)| {
+            for (offset, pressure) in pressure.iter_mut().enumerate() {
+                let i = block * BLOCK + offset;
+                *pressure = if this.work.on_surface[i] {
+                    this.surface_pressure(i)
+                } else {
+                    this.work.solution[i][0] + this.reaction_pressure(i)
+                };
+            }
+        });
+        let mut velocity = std::mem::take(&mut self.work.scratch_vectors);
+        velocity.resize(pressure.len(), Vector2::zeros());
+        let this = &*self;
+        let fields = Self::fields(&this.setup, &this.state.particles, &this.walls, &this.work);
+        let water = &this.setup.water;
+        let slope = |w: usize| match this.walls.owner[w] {
+            Owner::Boundary(b) if this.setup.boundaries[b].free => {
+                this.slope(w, b, |mode| this.state.accelerations[3 * b + mode])
+            }
+            _ => this.known_slope(w),
+        };
+        let viscous = this.runs[Stage::Viscosity as usize];
+        velocity.par_chunks_mut(BLOCK).enumerate().for_each(|(block, velocity)| {
+            for (offset, velocity) in velocity.iter_mut().enumerate() {
+                let i = block * BLOCK + offset;
+                let local = &this.work.locals[i];
+                let mut acceleration = if local.quality == fit::Quality::None {
+                    // Alone in the air: free fall.
+                    Vector2::new(0.0, -water.gravity)
+                } else {
+                    let walls = operators::neumann(fields, i, slope);
+                    operators::gradient(fields, i, local, &pressure, &walls) / -water.density
+                };
+                if viscous {
+                    acceleration += water.kinematic_viscosity * local.laplacian_of_velocity;
+                }
+                *velocity = fields.velocity[i] + acceleration * h;
+            }
+        });
+        let particles = &mut self.state.particles;
+        // Eq. (12).
+        for ((x, old), new) in
+            particles.position.iter_mut().zip(&mut particles.velocity).zip(&velocity)
+        {
+            *x += (*old + new) * (0.5 * h);
+            *old = *new;
+        }
+        for (i, value) in pressure.iter().enumerate() {
+            particles.pressure_change[i] = value - particles.pressure[i];
+            particles.pressure[i] = *value;
+        }
+        particles.on_surface.copy_from_slice(&self.work.on_surface);
+        self.state.wall_activity.copy_from_slice(&self.walls.activity);
+        for (state, work) in self.state.unit_pressure.iter_mut().zip(&self.work.unit_solution) {
+            state.copy_from_slice(work);
+        }
+        self.work.pressure = pressure;
+        self.work.scratch_vectors = velocity;
+    }
+
+    /// u ← u / (1 + γ(x) dt) in the damping zones.
+    pub(crate) fn damp(&mut self, h: f64) {
+        let particles = &mut self.state.particles;
+        for zone in &self.setup.damping_zones {
+            for (x, u) in particles.position.iter().zip(&mut particles.velocity) {
+                let s = (x.x - zone.inner_x) / (zone.outer_x - zone.inner_x);
+                if s > 0.0 {
+                    let s = s.min(1.0);
+                    let shape = ((s * s).exp() - 1.0) / (std::f64::consts::E - 1.0);
+                    *u /= 1.0 + zone.rate * shape * h;
+                }
+            }
+        }
+    }
+
+    /// Shifts particles, their velocity with them, and filters what no fit can resolve.
+    pub(crate) fn regularise(&mut self, h: f64) {
+        let spacing = self.setup.numerics.particle_spacing;
+        let rate = FILTER_RATE * (self.setup.water.gravity / spacing).sqrt();
+        let part = (rate * h).min(0.5);
+        let particles = &mut self.state.particles;
+        for ((x, u), local) in
+            particles.position.iter_mut().zip(&mut particles.velocity).zip(&self.work.locals)
+        {
+            *x += local.shift;
+            *u += local.shift_velocity + local.roughness * part;
+            *u = regularise::collide(*u, local.contact, spacing, h);
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), FluidError> {
+        let particles = &self.state.particles;
+        let margin = 3.0 * self.setup.numerics.particle_spacing;
+        for (i, (x, u)) in particles.position.iter().zip(&particles.velocity).enumerate() {
+            let inside = x.x > -margin && x.x < self.setup.tank.length + margin && x.y > -margin;
+            if !(inside && x.y.is_finite() && u.norm_squared().is_finite()) {
+                return Err(FluidError::Unstable {
+                    particle: particles.identity[i],
+                    x: x.x,
+                    y: x.y,
+                    u: u.x,
+                    v: u.y,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Numbers the particles column by column along the tank.
+    pub(crate) fn renumber(&mut self) {
+        let dx = self.setup.numerics.particle_spacing;
+        let (work, particles) = (&mut self.work, &mut self.state.particles);
+        work.keys.clear();
+        work.keys.extend(particles.position.iter().enumerate().map(|(i, x)| {
+            let column = (x.x / dx).max(0.0) as u64;
+            // Heights in millionths of a spacing sort as whole numbers.
+            let height = ((x.y / dx + 1e3).max(0.0) * 1e6) as u64;
+            (i as u32, (column << 40) | height.min((1 << 40) - 1))
+        }));
+        work.keys.sort_unstable_by_key(|&(i, key)| (key, i));
+        work.order.clear();
+        work.order.extend(work.keys.iter().map(|&(i, _)| i));
+        let order = &work.order;
+        permute(&mut particles.position, order, &mut work.scratch_points);
+        permute(&mut particles.velocity, order, &mut work.scratch_vectors);
+        permute(&mut particles.pressure, order, &mut work.scratch_numbers);
+        permute(&mut particles.pressure_change, order, &mut work.scratch_numbers);
+        permute(&mut particles.on_surface, order, &mut work.scratch_flags);
+        permute(&mut particles.identity, order, &mut work.scratch_identities);
+        for unit in &mut self.state.unit_pressure {
+            permute(unit, order, &mut work.scratch_units);
+        }
+        // The factors belong to the old numbering.
+        self.state.factorized_at = None;
+    }
+}

@@ -1,0 +1,213 @@
+//! The pressure stages: Eq. (9b) and the pressure of unit accelerations.
+
+use crate::error::FluidError;
+use crate::fit;
+use crate::fluid::Fluid;
+use crate::krylov::{Report, Stop};
+use crate::neighbours::BLOCK;
+use crate::operators::{self, Local};
+use crate::walls::Owner;
+use nalgebra::Vector2;
+use rayon::prelude::*;
+
+/// Steps between two factorizations of the preconditioner.
+const FACTORS_LAST: u64 = 8;
+/// Tolerance of the pressure of unit accelerations, in pressure tolerances.
+const UNIT_TOLERANCE: f64 = 10.0;
+/// Largest relative volume error that Eq. (9b) feeds back.
+const LARGEST_FEEDBACK: f64 = 0.01;
+
+impl Fluid {
+    /// ∂p/∂n at wall particle `w` that the known accelerations of held and prescribed boundaries
+    /// ask for, Eq. (4) for the dynamic pressure, Pa/m.
+    pub(crate) fn known_slope(&self, w: usize) -> f64 {
+        match self.walls.owner[w] {
+            Owner::Boundary(b) if !self.setup.boundaries[b].free => self.slope(w, b, |mode| {
+                let k = &self.state.kinematics[b];
+                [k.acceleration.x, k.acceleration.y, k.angular_acceleration][mode]
+            }),
+            _ => 0.0,
+        }
+    }
+
+    /// ∂p/∂n at wall particle `w` of boundary `b` for its `accelerations`, Pa/m.
+    pub(crate) fn slope(&self, w: usize, b: usize, accelerations: impl Fn(usize) -> f64) -> f64 {
+        let centre = self.walls.centre[b];
+        let normal_acceleration: f64 = (0..3)
+            .map(|mode| accelerations(mode) * self.walls.unit_normal_motion(w, mode, centre))
+            .sum();
+        -self.setup.water.density * normal_acceleration
+    }
+
+    /// Dynamic pressure on the surface, Eq. (5): p = 0, Pa.
+    pub(crate) fn surface_pressure(&self, i: usize) -> f64 {
+        let water = &self.setup.water;
+        water.density * water.gravity * (self.work.position[i].y - water.depth)
+    }
+
+    /// Σ a_k p_k at particle `i`: the pressure of the boundaries' present accelerations, Pa.
+    #[inline(always)]
+    pub(crate) fn reaction_pressure(&self, i: usize) -> f64 {
+        let parts = self.free.iter().zip(&self.work.unit_solution).map(|(&b, unit)| {
+            let a = &self.state.accelerations[3 * b..3 * b + 3];
+            a[0] * unit[i][0] + a[1] * unit[i][1] + a[2] * unit[i][2]
+        });
+        parts.sum()
+    }
+
+    fn factorize_if_due(&mut self) {
+        let age = self.state.factorized_at.map(|step| self.state.step - step);
+        if age.is_none_or(|age| age >= FACTORS_LAST) {
+            self.state.preconditioner.factorize(&self.work.matrix, self.state.particles.len());
+            self.state.factorized_at = Some(self.state.step);
+        }
+    }
+
+    /// Solves ∇²p_k = 0, n·∇p_k = −ρ n_k on each free boundary, p_k = 0 on the surface, for unit
+    /// accelerations k: the pressure is then p = p_0 + Σ a_k p_k with no iteration.
+    pub(crate) fn added_mass_pressure(&mut self) -> Result<(), FluidError> {
+        self.factorize_if_due();
+        for slot in 0..self.free.len() {
+            let boundary = self.free[slot];
+            let mut rhs = std::mem::take(&mut self.work.unit_rhs);
+            let fields = Self::fields(&self.setup, &self.state.particles, &self.walls, &self.work);
+            rhs.par_chunks_mut(BLOCK).enumerate().for_each(|(block, rhs)| {
+                for (offset, rhs) in rhs.iter_mut().enumerate() {
+                    let i = block * BLOCK + offset;
+                    let local = &self.work.locals[i];
+                    *rhs = [0.0; 3];
+                    if fields.on_surface[i]
+                        || local.diagonal <= 0.0
+                        || fields.wall_lists.of(i).is_empty()
+                    {
+                        continue;
+                    }
+                    for (mode, rhs) in rhs.iter_mut().enumerate() {
+                        let sum = operators::neumann(fields, i, |w| {
+                            if self.walls.owner[w] == Owner::Boundary(boundary) {
+                                self.slope(w, boundary, |k| f64::from(u8::from(k == mode)))
+                            } else {
+                                0.0
+                            }
+                        });
+                        *rhs = fit::dot(&local.pressure.laplacian, &sum) / local.diagonal;
+                    }
+                }
+            });
+            let mut solution = std::mem::take(&mut self.work.unit_solution[slot]);
+            solution.copy_from_slice(&self.state.unit_pressure[slot]);
+            clear_rows(&mut solution, &self.work.on_surface, &self.work.locals);
+            // Its error enters times the acceleration, and the next step starts from it.
+            let mut stop = self.stop(0.0);
+            stop.relative *= if self.state.step == 0 { 1e-2 } else { UNIT_TOLERANCE };
+            let report = self.work.unit_krylov.solve(
+                &self.work.matrix,
+                &mut self.state.preconditioner,
+                &rhs,
+                &mut solution,
+                stop,
+            );
+            self.work.unit_rhs = rhs;
+            self.work.unit_solution[slot] = solution;
+            self.unit_report = report;
+            self.require_convergence(report)?;
+        }
+        Ok(())
+    }
+
+    fn stop(&self, absolute: f64) -> Stop {
+        let numerics = &self.setup.numerics;
+        Stop {
+            relative: numerics.pressure_tolerance,
+            absolute,
+            iterations: numerics.pressure_max_iterations,
+        }
+    }
+
+    fn require_convergence(&self, report: Report) -> Result<(), FluidError> {
+        if report.converged {
+            return Ok(());
+        }
+        Err(FluidError::PressureNotConverged {
+            residual: report.residual,
+            iterations: report.iterations,
+            tolerance: self.setup.numerics.pressure_tolerance,
+        })
+    }
+
+    /// (ρ − ρ*)/ρ of Eq. (9b), with ρ* the mean density: the mass over the volume that the
+    /// particles take up now. A particle's own density, from a kernel, is noise of some per cent
+    /// that the pressure would answer; shifting evens out what is local. Where the surface
+    /// overturns, its volume cannot be told by its elevation, and nothing is fed back.
+    fn density_deficit(&mut self) -> f64 {
+        const STEEPEST: f64 = 0.2;
+        let overturns = |(n, &surface): (&Vector2<f64>, &bool)| surface && n.y < STEEPEST;
+        if self.work.normal.iter().zip(&self.work.on_surface).any(overturns) {
+            return 0.0;
+        }
+        let mut line = std::mem::take(&mut self.work.line);
+        self.surface_line(&mut line);
+        let volume = self.volume_below(&line);
+        self.work.line = line;
+        (1.0 - self.initial_volume / volume).clamp(-LARGEST_FEEDBACK, LARGEST_FEEDBACK)
+    }
+
+    /// Solves Eq. (9b) for p_0, the pressure with every free boundary unaccelerated.
+    pub(crate) fn pressure(&mut self, h: f64) -> Result<(), FluidError> {
+        self.factorize_if_due();
+        let (water, numerics) = (self.setup.water, self.setup.numerics);
+        let alpha = numerics.density_blend;
+        let square = numerics.particle_spacing.powi(2);
+        let too_thin = if alpha > 0.0 { self.density_deficit() } else { 0.0 };
+        let mut rhs = std::mem::take(&mut self.work.rhs);
+        let mut solution = std::mem::take(&mut self.work.solution);
+        let particles = &self.state.particles;
+        let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);
+        let this = &*self;
+        rhs.par_chunks_mut(BLOCK).zip(solution.par_chunks_mut(BLOCK)).enumerate().for_each(
+            |(block, (rhs, solution))| {
+                for (offset, (rhs, solution)) in rhs.iter_mut().zip(solution).enumerate() {
+                    let i = block * BLOCK + offset;
+                    let local = &this.work.locals[i];
+                    if fields.on_surface[i] || local.diagonal <= 0.0 {
+                        *rhs = [0.0];
+                        *solution = [0.0];
+                        continue;
+                    }
+                    // Eq. (9b): Ψ = α (ρ − ρ*)/dt + (1 − α) ρ ∇·u*.
+                    let psi =
+                        water.density * (alpha * too_thin / h + (1.0 - alpha) * local.divergence);
+                    let walls = operators::neumann(fields, i, |w| this.known_slope(w));
+                    rhs[0] = (fit::dot(&local.pressure.laplacian, &walls) - square * psi / h)
+                        / local.diagonal
+                        + operators::dirichlet(fields, i, local, |j| this.surface_pressure(j));
+                    // Guess: the last pressure carried on, less the part of the accelerations.
+                    let units = this.reaction_pressure(i);
+                    solution[0] = particles.pressure[i] + particles.pressure_change[i] - units;
+                }
+            },
+        );
+        // A residual below this leaves a divergence below 1e-7 sqrt(g/D).
+        let floor = 1e-7 * square * water.density / h * (water.gravity / water.depth).sqrt();
+        let stop = self.stop(floor);
+        self.report = self.work.krylov.solve(
+            &self.work.matrix,
+            &mut self.state.preconditioner,
+            &rhs,
+            &mut solution,
+            stop,
+        );
+        self.work.rhs = rhs;
+        self.work.solution = solution;
+        self.require_convergence(self.report)
+    }
+}
+
+/// Zeroes the rows of the surface and of particles without an equation.
+fn clear_rows(values: &mut [[f64; 3]], on_surface: &[bool], locals: &[Local]) {
+    for ((value, &surface), local) in values.iter_mut().zip(on_surface).zip(locals) {
+        if surface || local.diagonal <= 0.0 {
+            *value = [0.0; 3];
+        }
+    }
+}

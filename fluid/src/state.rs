@@ -1,0 +1,82 @@
+//! What a fluid remembers from step to step, and what it works on within one.
+
+use crate::krylov::Krylov;
+use crate::loads::PointPressure;
+use crate::neighbours::{CellGrid, Neighbours};
+use crate::operators::{Local, Scratch};
+use crate::particles::Particles;
+use crate::sparse::{Preconditioner, SparseMatrix};
+use nalgebra::{Point2, Vector2};
+use seakeep_coupler::interface::{BoundaryKinematics, Load};
+use serde::{Deserialize, Serialize};
+
+/// Where a component stands in its life cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    Instantiated,
+    Initializing,
+    Stepping,
+    Terminated,
+}
+
+impl Phase {
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Instantiated => "before initialization",
+            Self::Initializing => "during initialization",
+            Self::Stepping => "between initialization and termination",
+            Self::Terminated => "after termination",
+        }
+    }
+}
+
+/// What a saved state holds: everything that the coming steps depend on.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct State {
+    pub(crate) start_time: f64,
+    pub(crate) time: f64,
+    pub(crate) step: u64,
+    pub(crate) particles: Particles,
+    pub(crate) kinematics: Vec<BoundaryKinematics>,
+    pub(crate) accelerations: Vec<f64>,
+    /// Pressure of unit accelerations of each free boundary, Pa per m/s² and rad/s².
+    pub(crate) unit_pressure: Vec<Vec<[f64; 3]>>,
+    pub(crate) wall_activity: Vec<f64>,
+    pub(crate) preconditioner: Preconditioner,
+    pub(crate) factorized_at: Option<u64>,
+    pub(crate) loads: Vec<Load>,
+}
+
+/// What a step works on; nothing of it outlives the step but its memory.
+#[derive(Default)]
+pub(crate) struct Work {
+    pub(crate) position: Vec<Point2<f64>>,
+    pub(crate) on_surface: Vec<bool>,
+    pub(crate) normal: Vec<Vector2<f64>>,
+    pub(crate) grid: CellGrid,
+    pub(crate) wall_grid: CellGrid,
+    pub(crate) fluid: Neighbours,
+    pub(crate) wall_lists: Neighbours,
+    pub(crate) fluid_of_walls: Neighbours,
+    pub(crate) scratch: Vec<Scratch>,
+    pub(crate) locals: Vec<Local>,
+    pub(crate) matrix: SparseMatrix,
+    pub(crate) rhs: Vec<[f64; 1]>,
+    pub(crate) solution: Vec<[f64; 1]>,
+    pub(crate) unit_rhs: Vec<[f64; 3]>,
+    pub(crate) unit_solution: Vec<Vec<[f64; 3]>>,
+    pub(crate) krylov: Krylov<1>,
+    pub(crate) unit_krylov: Krylov<3>,
+    pub(crate) wall_pressure: Vec<PointPressure>,
+    /// Dynamic pressure of the step, Pa.
+    pub(crate) pressure: Vec<f64>,
+    pub(crate) order: Vec<u32>,
+    pub(crate) keys: Vec<(u32, u64)>,
+    pub(crate) line: Vec<Point2<f64>>,
+    pub(crate) scratch_points: Vec<Point2<f64>>,
+    pub(crate) scratch_vectors: Vec<Vector2<f64>>,
+    pub(crate) scratch_numbers: Vec<f64>,
+    pub(crate) scratch_flags: Vec<bool>,
+    pub(crate) scratch_identities: Vec<u32>,
+    pub(crate) scratch_units: Vec<[f64; 3]>,
+}
