@@ -21,7 +21,12 @@ pub(crate) const VARIABLES: [(&str, Causality, &str, &str); 12] = [
     ("angular_acceleration", Causality::Input, "rad/s2", "mean over the coming step"),
     ("force_x", Causality::Output, "N/m", "hydrodynamic force along the tank, Eq. (19)"),
     ("force_y", Causality::Output, "N/m", "upward hydrodynamic force, Eq. (19)"),
-    ("torque", Causality::Output, "N", "hydrodynamic torque about the reference point, Eq. (20)"),
+    (
+        "torque",
+        Causality::Output,
+        "N m/m",
+        "hydrodynamic torque about the reference point, Eq. (20)",
+    ),
 ];
 
 /// The description of a fluid with boundaries of these names.

@@ -7,8 +7,9 @@
 use super::signal::{crossings, extrema, period};
 use std::f64::consts::PI;
 
-/// Extrema that have fallen below this part of the first are noise.
-const SMALLEST_EXTREMUM: f64 = 0.05;
+/// Extrema that have fallen below this part of the first are left out: by then, waves that the
+/// body made and the ends of the tank sent back move it as much as its own decay.
+const SMALLEST_EXTREMUM: f64 = 0.2;
 
 /// A decay as it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
