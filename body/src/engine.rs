@@ -34,6 +34,13 @@ pub trait RigidBodyEngine: Send {
     /// [`BodyError::Length`].
     fn set_kinematics(&mut self, kinematics: &[BoundaryKinematics]) -> Result<(), BodyError>;
 
+    /// Puts the body number `body` into this pose and lets it go on with this velocity until it is
+    /// told otherwise: neither kicks nor contacts move it from now on.
+    ///
+    /// # Errors
+    /// [`BodyError::UnknownBody`].
+    fn steer(&mut self, body: usize, kinematics: &BoundaryKinematics) -> Result<(), BodyError>;
+
     /// Moves every body for `duration` (s) without load: r ← r + V `duration`. Contacts and
     /// joints of the engine act here.
     ///
@@ -82,6 +89,12 @@ pub trait RigidBodyEngine: Send {
 pub(crate) fn free_mass_matrix(bodies: &[BodyProperties]) -> DMatrix<f64> {
     let diagonal: Vec<f64> = bodies.iter().flat_map(BodyProperties::diagonal_mass).collect();
     DMatrix::from_diagonal(&diagonal.into())
+}
+
+/// The entry of the body number `body`.
+pub(crate) fn entry<T>(list: &mut [T], body: usize) -> Result<&mut T, BodyError> {
+    let count = list.len();
+    list.get_mut(body).ok_or(BodyError::UnknownBody { index: body, count })
 }
 
 /// Checks a number of values against the number the engine needs.

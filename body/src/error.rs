@@ -49,6 +49,31 @@ pub enum BodyError {
         /// How many bodies there are.
         count: usize,
     },
+    /// A prescribed motion that cannot be followed.
+    #[error("motion: {reason}")]
+    Motion {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A prescribed motion was asked for at a time that it does not cover.
+    #[error("the prescribed motion lasts from {start} to {end} s: nothing is known at {time} s")]
+    OutsideMotion {
+        /// The time asked for, s.
+        time: f64,
+        /// First time of the motion, s.
+        start: f64,
+        /// Last time of the motion, s.
+        end: f64,
+    },
+    /// A body for which a motion is prescribed already.
+    #[error("body {body}: a motion is prescribed already")]
+    PrescribedTwice {
+        /// Name of the body.
+        body: String,
+    },
+    /// A state that is not one of this prescribed motion.
+    #[error("the state is not one of this prescribed motion")]
+    MotionState,
     /// The number of substeps is zero.
     #[error("a step needs at least one substep")]
     NoSubsteps,

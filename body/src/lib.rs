@@ -2,7 +2,8 @@
 //!
 //! [`RigidBodies`] is given the hydrodynamic load on its bodies as an affine function of their
 //! accelerations, adds weight and loads of its own (springs, moorings), and moves them with a
-//! [`RigidBodyEngine`]: [`RapierEngine`] (rapier2d, the default) or [`NewtonEulerEngine`].
+//! [`RigidBodyEngine`]: [`RapierEngine`] (rapier2d, the default) or [`NewtonEulerEngine`]. A body
+//! can also follow a [`PrescribedMotion`], whatever the loads on it.
 //!
 //! Time scheme of a step of length h, second order and symplectic for loads that derive from a
 //! potential, and the same midpoint as the fluid's:
@@ -36,15 +37,18 @@ mod engine;
 mod error;
 mod newton_euler;
 mod own_load;
+mod prescribed;
 mod properties;
 mod rapier;
 mod rigid_bodies;
+mod spline;
 mod variables;
 
 pub use engine::{AccelerationOf, RigidBodyEngine};
 pub use error::BodyError;
 pub use newton_euler::NewtonEulerEngine;
 pub use own_load::{LinearSpring, OwnLoad};
+pub use prescribed::{Harmonic, Oscillation, PrescribedMotion, TimeSeries};
 pub use properties::{BodyProperties, FreeDegrees};
 pub use rapier::RapierEngine;
 pub use rigid_bodies::RigidBodies;

@@ -1,6 +1,6 @@
 //! The smallest engine: Newton's and Euler's equations of free bodies, without contacts.
 
-use crate::engine::{check_length, free_mass_matrix, kicked};
+use crate::engine::{check_length, entry, free_mass_matrix, kicked};
 use crate::{BodyError, BodyProperties, RigidBodyEngine};
 use nalgebra::DMatrix;
 use seakeep_coupler::interface::BoundaryKinematics;
@@ -50,6 +50,11 @@ impl RigidBodyEngine for NewtonEulerEngine {
     fn set_kinematics(&mut self, kinematics: &[BoundaryKinematics]) -> Result<(), BodyError> {
         check_length("kinematics", kinematics.len(), self.kinematics.len())?;
         self.kinematics.copy_from_slice(kinematics);
+        Ok(())
+    }
+
+    fn steer(&mut self, body: usize, kinematics: &BoundaryKinematics) -> Result<(), BodyError> {
+        *entry(&mut self.kinematics, body)? = *kinematics;
         Ok(())
     }
 

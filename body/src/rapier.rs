@@ -10,12 +10,12 @@
 //! rapier2d turns a body by atan(Ω t) in a drift of t instead of Ω t. The difference, Ω³ t³/3, is
 //! of second order over a run and leaves the scheme symplectic.
 
-use crate::engine::{check_length, free_mass_matrix, kicked};
+use crate::engine::{check_length, entry, free_mass_matrix, kicked};
 use crate::{BodyError, BodyProperties, FreeDegrees, RigidBodyEngine};
 use nalgebra::{DMatrix, Point2, Vector2};
 use rapier2d_f64::prelude::{
     IntegrationParameters, LockedAxes, MassProperties, PhysicsWorld, Pose, RigidBody,
-    RigidBodyBuilder, RigidBodyHandle, Vector,
+    RigidBodyBuilder, RigidBodyHandle, RigidBodyType, Vector,
 };
 use seakeep_coupler::interface::BoundaryKinematics;
 use serde::{Deserialize, Serialize};
@@ -109,6 +109,12 @@ fn set_velocity(body: &mut RigidBody, kinematics: &BoundaryKinematics) {
     body.set_angvel(kinematics.angular_velocity, true);
 }
 
+fn place(body: &mut RigidBody, kinematics: &BoundaryKinematics) {
+    let position = Vector::new(kinematics.position.x, kinematics.position.y);
+    body.set_position(Pose::new(position, kinematics.angle), true);
+    set_velocity(body, kinematics);
+}
+
 impl RigidBodyEngine for RapierEngine {
     fn name(&self) -> &'static str {
         NAME
@@ -135,12 +141,19 @@ impl RigidBodyEngine for RapierEngine {
     fn set_kinematics(&mut self, kinematics: &[BoundaryKinematics]) -> Result<(), BodyError> {
         check_length("kinematics", kinematics.len(), self.kinematics.len())?;
         for (new, handle) in kinematics.iter().zip(&self.handles) {
-            let body = &mut self.world.bodies[*handle];
-            let position = Vector::new(new.position.x, new.position.y);
-            body.set_position(Pose::new(position, new.angle), true);
-            set_velocity(body, new);
+            place(&mut self.world.bodies[*handle], new);
         }
         self.kinematics.copy_from_slice(kinematics);
+        Ok(())
+    }
+
+    fn steer(&mut self, body: usize, kinematics: &BoundaryKinematics) -> Result<(), BodyError> {
+        *entry(&mut self.kinematics, body)? = *kinematics;
+        self.rotates[body] = true;
+        let steered = &mut self.world.bodies[self.handles[body]];
+        steered.set_locked_axes(LockedAxes::empty(), true);
+        steered.set_body_type(RigidBodyType::KinematicVelocityBased, true);
+        place(steered, kinematics);
         Ok(())
     }
 

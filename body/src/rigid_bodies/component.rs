@@ -13,6 +13,8 @@ use serde::{Deserialize, Serialize};
 struct State {
     motion: Motion,
     engine: Vec<u8>,
+    /// Of each prescribed motion.
+    prescribed: Vec<Vec<u8>>,
 }
 
 fn state_error(reason: String) -> ComponentError {
@@ -53,6 +55,10 @@ impl Component for RigidBodies {
             });
         }
         self.motion.time = start_time;
+        self.take_up_prescriptions().map_err(|error| ComponentError::Initialization {
+            component: NAME.to_owned(),
+            source: error.into(),
+        })?;
         self.phase = Phase::Initialization;
         Ok(())
     }
@@ -118,17 +124,30 @@ impl Component for RigidBodies {
 
     fn get_state(&self) -> Result<ComponentState, ComponentError> {
         let engine = self.engine.save().map_err(|error| state_error(error.to_string()))?;
-        ComponentState::save(NAME, &State { motion: self.motion.clone(), engine })
+        let prescribed = self.prescriptions.iter().map(|known| known.motion.save());
+        let prescribed =
+            prescribed.collect::<Result<_, _>>().map_err(|error| state_error(error.to_string()))?;
+        ComponentState::save(NAME, &State { motion: self.motion.clone(), engine, prescribed })
     }
 
     fn set_state(&mut self, state: &ComponentState) -> Result<(), ComponentError> {
-        let State { motion, engine } = state.load(NAME)?;
+        let State { motion, engine, prescribed } = state.load(NAME)?;
         let bodies = self.bodies.len();
         if motion.kinematics.len() != bodies || motion.mean_accelerations.len() != 3 * bodies {
             return Err(state_error(format!(
                 "{} bodies, where {bodies} are expected",
                 motion.kinematics.len()
             )));
+        }
+        if prescribed.len() != self.prescriptions.len() {
+            return Err(state_error(format!(
+                "{} prescribed motions, where {} are expected",
+                prescribed.len(),
+                self.prescriptions.len()
+            )));
+        }
+        for (known, state) in self.prescriptions.iter_mut().zip(&prescribed) {
+            known.motion.restore(state).map_err(|error| state_error(error.to_string()))?;
         }
         self.engine.restore(&engine).map_err(|error| state_error(error.to_string()))?;
         self.motion = motion;

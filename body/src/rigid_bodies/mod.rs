@@ -1,11 +1,13 @@
 //! The motion component.
 
 mod component;
+mod prescription;
 
 use crate::balance::Balance;
 use crate::properties::validate_all;
 use crate::{BodyError, BodyProperties, OwnLoad, RigidBodyEngine, variables};
 use nalgebra::DMatrix;
+use prescription::Prescription;
 use seakeep_coupler::interface::{BoundaryKinematics, Description, Load, LoadResponse};
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +27,7 @@ pub struct RigidBodies {
     /// Weight, three a body: N/m, N/m, N m/m.
     weight: Vec<f64>,
     own_loads: Vec<(usize, Box<dyn OwnLoad>)>,
+    prescriptions: Vec<Prescription>,
     substeps: usize,
     engine: Box<dyn RigidBodyEngine>,
     phase: Phase,
@@ -36,6 +39,8 @@ pub struct RigidBodies {
 struct Motion {
     time: f64,
     steps: u64,
+    /// Length of the last step, s; 0 before the first.
+    last_step: f64,
     response: LoadResponse,
     kinematics: Vec<BoundaryKinematics>,
     mean_accelerations: Vec<f64>,
@@ -79,6 +84,7 @@ impl RigidBodies {
         let motion = Motion {
             time: 0.0,
             steps: 0,
+            last_step: 0.0,
             response: LoadResponse::zero(bodies.len()),
             kinematics: engine.kinematics().to_vec(),
             mean_accelerations: vec![0.0; 3 * bodies.len()],
@@ -89,6 +95,7 @@ impl RigidBodies {
             weight: bodies.iter().flat_map(|body| [0.0, -body.mass * gravity, 0.0]).collect(),
             bodies,
             own_loads: Vec::new(),
+            prescriptions: Vec::new(),
             substeps: 1,
             engine,
             phase: Phase::Instantiated,
@@ -163,23 +170,29 @@ impl RigidBodies {
             return Err(BodyError::StepLength { value: duration });
         }
         self.check_response()?;
-        let Self { engine, own_loads, bodies, weight, motion, .. } = self;
+        // What acts on the bodies all over the step.
+        let mut held = self.prescribed_reaction(time, duration)?;
+        held.iter_mut().zip(&self.weight).for_each(|(sum, weight)| *sum += weight);
+        for (sum, load) in held.chunks_exact_mut(3).zip(&self.motion.response.at_zero_acceleration)
+        {
+            add(sum, load);
+        }
+        let Self { engine, own_loads, prescriptions, bodies, motion, .. } = self;
         let balance = Balance::new(engine.mass_matrix(), &motion.response.added_mass, &self.free)?;
-        let mut loads = vec![0.0; weight.len()];
-        let mut accelerations = vec![0.0; weight.len()];
+        let mut loads = vec![0.0; held.len()];
+        let mut accelerations = vec![0.0; held.len()];
         let mut predicted = Vec::new();
         let twice = own_loads.iter().any(|(_, load)| load.depends_on_velocity());
         let substep = duration / self.substeps as f64;
 
         for number in 0..self.substeps {
-            let midpoint = time + (number as f64 + 0.5) * substep;
+            let start = time + number as f64 * substep;
+            let midpoint = start + 0.5 * substep;
+            for known in prescriptions.iter() {
+                engine.steer(known.body, &known.chord(start, substep)?)?;
+            }
             let mut solve = |kinematics: &[BoundaryKinematics], accelerations: &mut [f64]| {
-                loads.copy_from_slice(weight);
-                for (sum, load) in
-                    loads.chunks_exact_mut(3).zip(&motion.response.at_zero_acceleration)
-                {
-                    add(sum, load);
-                }
+                loads.copy_from_slice(&held);
                 for (body, own) in own_loads.iter() {
                     let load = own.load(midpoint, &kinematics[*body]);
                     let values = [load.force.x, load.force.y, load.torque];
@@ -204,6 +217,10 @@ impl RigidBodies {
                 Ok(())
             })?;
         }
+        for known in prescriptions.iter_mut() {
+            known.motion.advance(time, duration)?;
+            engine.steer(known.body, &known.motion.kinematics(time + duration)?)?;
+        }
         self.note_motion(time + duration, duration)
     }
 
@@ -226,7 +243,8 @@ impl RigidBodies {
         }
         motion.time = time;
         motion.steps += 1;
-        Ok(())
+        motion.last_step = duration;
+        self.note_prescribed()
     }
 }
 

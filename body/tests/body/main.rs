@@ -3,5 +3,6 @@
 mod common;
 mod coupled;
 mod free_motion;
+mod prescribed;
 mod refusals;
 mod state;
