@@ -14,3 +14,4 @@ pub mod output;
 pub mod plan;
 pub mod scene;
 pub mod simulation;
+pub mod waves;

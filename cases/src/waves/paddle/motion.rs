@@ -1,0 +1,330 @@
+//! How a paddle moves to make a wave.
+
+use super::projection::projected_stroke;
+use super::stroke::{Harmonic, Ramp, Stroke};
+use super::{Board, StrokeMotion};
+use crate::waves::linear::LinearWaves;
+use crate::waves::solitary::SolitaryWave;
+use crate::waves::spline::Spline;
+use crate::waves::stokes::StokesWave;
+use crate::waves::stream_function::StreamFunctionWave;
+use crate::waves::{StillWater, WaveError, WaveTheory, require};
+use seakeep_coupler::interface::BoundaryKinematics;
+
+/// Steps over the passage of a solitary wave.
+const SOLITARY_STEPS: usize = 4000;
+
+/// The motion of a paddle: a function of time, twice continuously differentiable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaddleMotion {
+    water: StillWater,
+    board: Board,
+    ramp: Ramp,
+    stroke: Stroke,
+}
+
+impl PaddleMotion {
+    fn new(water: StillWater, board: Board, ramp: f64, stroke: Stroke) -> Result<Self, WaveError> {
+        water.validate()?;
+        board.validate(water)?;
+        Ok(Self { water, board, ramp: Ramp::new(ramp)?, stroke })
+    }
+
+    /// For linear waves, one or many: every component through the transfer function of the
+    /// board. `ramp` (s) is the time to full stroke, in this and the others.
+    ///
+    /// # Errors
+    /// A hinge above the water or a negative ramp, in this and the others.
+    pub fn linear(
+        water: StillWater,
+        board: Board,
+        waves: &LinearWaves,
+        ramp: f64,
+    ) -> Result<Self, WaveError> {
+        board.validate(water)?;
+        let terms = waves.components().iter().map(|wave| Harmonic {
+            amplitude: wave.amplitude / board.transfer(water, wave.wave_number),
+            frequency: wave.frequency,
+            phase: -wave.phase,
+        });
+        Self::new(water, board, ramp, Stroke::Harmonics(terms.collect()))
+    }
+
+    /// For a second-order wave, by a piston: the linear stroke and Madsen's (1971) correction
+    /// H²/(32 D) (3 cosh kD / sinh³ kD − 2 S/H) sin 2ωt against a free second harmonic.
+    ///
+    /// # Errors
+    /// Also a flap, for which there is no such correction.
+    pub fn second_order(
+        water: StillWater,
+        board: Board,
+        wave: &StokesWave,
+        ramp: f64,
+    ) -> Result<Self, WaveError> {
+        if let Board::Flap { hinge } = board {
+            require(
+                false,
+                "height of the hinge (m)",
+                hinge,
+                "absent: second order needs a piston",
+            )?;
+        }
+        let (height, frequency) = (wave.height(), wave.frequency());
+        let number = water.wave_number(frequency);
+        let kd = number * water.depth;
+        let transfer = board.transfer(water, number);
+        let bound = 3.0 * kd.cosh() / kd.sinh().powi(3);
+        let terms = vec![
+            Harmonic { amplitude: 0.5 * height / transfer, frequency, phase: 0.0 },
+            Harmonic {
+                amplitude: height * height / (32.0 * water.depth) * (bound - 2.0 / transfer),
+                frequency: 2.0 * frequency,
+                phase: 0.0,
+            },
+        ];
+        Self::new(water, board, ramp, Stroke::Harmonics(terms))
+    }
+
+    /// For a stream-function wave: three harmonics of the stroke such that the velocity of the
+    /// board and that of the wave where the board is leave no free wave at these harmonics, but
+    /// for the part that evanescent waves have in them.
+    ///
+    /// # Errors
+    /// Also a stroke that cannot be found.
+    pub fn stream_function(
+        board: Board,
+        wave: &StreamFunctionWave,
+        ramp: f64,
+    ) -> Result<Self, WaveError> {
+        let water = wave.water();
+        board.validate(water)?;
+        let terms = projected_stroke(board, water, wave, wave.period())?;
+        Self::new(water, board, ramp, Stroke::Harmonics(terms))
+    }
+
+    /// For a solitary wave, by Goring (1978): the board, at the still-water level, moves with the
+    /// mean velocity over the depth where it is, dX/dt = c η(X, t) / (D + η(X, t)), which follows
+    /// from mass and so holds for every theory. The wave begins where its elevation is `start` of
+    /// the height: see [`SolitaryWave::from_paddle`].
+    ///
+    /// # Errors
+    /// As the others.
+    pub fn solitary(
+        water: StillWater,
+        board: Board,
+        wave: &SolitaryWave,
+    ) -> Result<Self, WaveError> {
+        let celerity = wave.celerity().unwrap_or_default();
+        // Within the first stretch, in which the elevation rises tenfold, the velocity is ramped.
+        let first = wave.reach(SolitaryWave::START);
+        let stretch = (first - wave.reach(10.0 * SolitaryWave::START)) / celerity;
+        let ramp = Ramp::new(stretch)?;
+        let velocity = |time: f64, x: f64| {
+            let eta = wave.elevation(x, time);
+            ramp.at(time)[0] * celerity * eta / (water.depth + eta)
+        };
+        let volume = 4.0 * wave.height() * wave.reach(0.42);
+        let end = (2.0 * first + volume / water.depth) / celerity;
+        let step = end / SOLITARY_STEPS as f64;
+        let (mut x, mut times, mut places) = (0.0, vec![0.0], vec![0.0]);
+        for n in 0..SOLITARY_STEPS {
+            let time = step * n as f64;
+            let k1 = velocity(time, x);
+            let k2 = velocity(time + 0.5 * step, x + 0.5 * step * k1);
+            let k3 = velocity(time + 0.5 * step, x + 0.5 * step * k2);
+            let k4 = velocity(time + step, x + step * k3);
+            x += step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+            times.push(time + step);
+            places.push(x);
+        }
+        Self::new(water, board, 0.0, Stroke::Series(Spline::new(times, places)?))
+    }
+
+    /// A measured or computed motion: times (s), and for a piston its displacement (m), for a flap
+    /// its angle (rad, counter-clockwise). A cubic spline goes through them.
+    ///
+    /// # Errors
+    /// Also fewer than two points, times that do not rise, an angle of a right angle or more.
+    pub fn series(
+        water: StillWater,
+        board: Board,
+        times: Vec<f64>,
+        values: Vec<f64>,
+        ramp: f64,
+    ) -> Result<Self, WaveError> {
+        let places = match board {
+            Board::Piston => values,
+            Board::Flap { hinge } => {
+                let limit = std::f64::consts::FRAC_PI_2;
+                for angle in &values {
+                    require(angle.abs() < limit, "angle of the flap (rad)", *angle, "below π/2")?;
+                }
+                values.into_iter().map(|angle| -(water.depth - hinge) * angle.tan()).collect()
+            }
+        };
+        Self::new(water, board, ramp, Stroke::Series(Spline::new(times, places)?))
+    }
+
+    /// The board.
+    #[must_use]
+    pub fn board(&self) -> Board {
+        self.board
+    }
+
+    /// Stroke and its rates at `time` (s).
+    #[must_use]
+    pub fn stroke(&self, time: f64) -> StrokeMotion {
+        self.ramp.apply(time, self.stroke.at(time))
+    }
+
+    /// Kinematics of the board at `time` (s) with the `correction` of an active absorption added,
+    /// for a paddle at rest at x = `x` (m).
+    #[must_use]
+    pub fn kinematics(&self, time: f64, x: f64, correction: StrokeMotion) -> BoundaryKinematics {
+        self.board.kinematics(self.water, x, self.stroke(time) + correction)
+    }
+
+    /// Lowest and highest displacement from the start to `end` (s), m, sampled at 1000 instants.
+    #[must_use]
+    pub fn range(&self, end: f64) -> (f64, f64) {
+        (0..=1000)
+            .map(|i| self.stroke(end * f64::from(i) / 1000.0).displacement)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::waves::solitary::SolitaryTheory;
+    use crate::waves::stream_function::{Current, Extent};
+    use std::f64::consts::TAU;
+
+    const WATER: StillWater = StillWater { depth: 0.4, gravity: 9.81 };
+
+    /// Rates are the derivatives of what they are rates of, and nothing jumps.
+    fn assert_smooth(motion: &PaddleMotion, end: f64) {
+        let h = 1e-5;
+        for n in 1..200 {
+            let time = end * f64::from(n) / 200.0;
+            let (before, now, after) =
+                (motion.stroke(time - h), motion.stroke(time), motion.stroke(time + h));
+            let rate = (after.displacement - before.displacement) / (2.0 * h);
+            let growth = (after.velocity - before.velocity) / (2.0 * h);
+            assert!((now.velocity - rate).abs() < 1e-6, "t = {time}");
+            assert!((now.acceleration - growth).abs() < 1e-4, "t = {time}");
+        }
+        let (before, after) = (motion.stroke(-1e-9), motion.stroke(1e-9));
+        assert!((before.displacement - after.displacement).abs() < 1e-9);
+    }
+
+    #[test]
+    fn strokes_of_section_3_of_the_reference() {
+        // S = 0.048397 m and Madsen's second harmonic −0.000112 m, independently calculated.
+        let wave = LinearWaves::regular(WATER, 0.06, 1.2).unwrap();
+        let motion = PaddleMotion::linear(WATER, Board::Piston, &wave, 2.4).unwrap();
+        assert_smooth(&motion, 5.0);
+        let crest = motion.stroke(5.1);
+        assert!((crest.displacement - motion.stroke(2.7).displacement).abs() < 1e-12);
+        let (low, high) = motion.range(12.0);
+        assert!((high - low - 0.048_397).abs() < 2e-6, "{}", high - low);
+        assert_eq!(motion.stroke(0.0), StrokeMotion::default());
+
+        let stokes = StokesWave::new(WATER, 0.06, 1.2).unwrap();
+        let second = PaddleMotion::second_order(WATER, Board::Piston, &stokes, 0.0).unwrap();
+        let eighth = |motion: &PaddleMotion| motion.stroke(12.0 + 0.15).displacement;
+        let difference = eighth(&second) - eighth(&motion);
+        assert!((difference + 0.000_112).abs() < 1e-6, "{difference}");
+        let flap = Board::Flap { hinge: 0.0 };
+        assert!(PaddleMotion::second_order(WATER, flap, &stokes, 0.0).is_err());
+    }
+
+    #[test]
+    fn velocity_of_the_paddle_is_in_phase_with_the_crest() {
+        let wave = LinearWaves::regular(WATER, 0.02, 1.2).unwrap();
+        let motion = PaddleMotion::linear(WATER, Board::Flap { hinge: 0.1 }, &wave, 0.0).unwrap();
+        let found = motion.stroke(1.2);
+        assert!(found.displacement.abs() < 1e-12 && found.velocity > 0.0);
+        assert!(found.acceleration.abs() < 1e-10);
+    }
+
+    fn stream(height: f64, period: f64) -> StreamFunctionWave {
+        let (extent, current) = (Extent::Period(period), Current::MassTransport(0.0));
+        StreamFunctionWave::new(WATER, height, extent, current, 16).unwrap()
+    }
+
+    #[test]
+    fn stream_function_stroke_of_a_low_wave_is_the_linear_one() {
+        for board in [Board::Piston, Board::Flap { hinge: 0.1 }, Board::Flap { hinge: -0.2 }] {
+            let linear = LinearWaves::regular(WATER, 0.001, 1.2).unwrap();
+            let linear = PaddleMotion::linear(WATER, board, &linear, 0.0).unwrap();
+            let found = PaddleMotion::stream_function(board, &stream(0.001, 1.2), 0.0).unwrap();
+            for time in [0.1, 0.4, 1.0] {
+                let ratio = found.stroke(time).velocity / linear.stroke(time).velocity;
+                assert!((ratio - 1.0).abs() < 0.01, "{board:?} {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn stream_function_stroke_of_a_long_wave_has_madsens_second_harmonic() {
+        // Madsen's theory is for long waves: kD = 0.45.
+        let (height, period) = (0.01, 2.9);
+        let second = |motion: &PaddleMotion| {
+            let count = 256;
+            (0..count)
+                .map(|n| f64::from(n) / f64::from(count) * period)
+                .map(|t| motion.stroke(t).displacement * (2.0 * TAU * t / period).sin())
+                .sum::<f64>()
+                * 2.0
+                / f64::from(count)
+        };
+        let stokes = StokesWave::new(WATER, height, period).unwrap();
+        let madsen = PaddleMotion::second_order(WATER, Board::Piston, &stokes, 0.0).unwrap();
+        let wave = stream(height, period);
+        let found = PaddleMotion::stream_function(Board::Piston, &wave, 0.0).unwrap();
+        let ratio = second(&found) / second(&madsen);
+        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+        assert_smooth(&found, period);
+    }
+
+    #[test]
+    fn solitary_stroke_is_the_volume_of_the_wave() {
+        // Boussinesq: the volume is √(16 H D³ / 3), and the whole of it is pushed out.
+        let height = 0.12;
+        for (theory, volume) in [
+            (SolitaryTheory::Boussinesq, (16.0 * height * 0.4f64.powi(3) / 3.0).sqrt()),
+            // 1.3643 D² by interpolation of an independent calculation at 0.27, 0.32 and 0.40.
+            (SolitaryTheory::Exact, 1.3727 * 0.16),
+        ] {
+            let wave = SolitaryWave::from_paddle(WATER, height, theory).unwrap();
+            let motion = PaddleMotion::solitary(WATER, Board::Piston, &wave).unwrap();
+            assert_smooth(&motion, 5.0);
+            let stroke = motion.stroke(20.0);
+            assert_eq!(stroke.velocity, 0.0);
+            let ratio = stroke.displacement / (volume / 0.4);
+            assert!((ratio - 1.0).abs() < 3e-3, "{theory:?}: {ratio}");
+            // Where the paddle is, it moves with the mean velocity of the water there.
+            let now = motion.stroke(1.3);
+            let eta = wave.elevation(now.displacement, 1.3);
+            let exact = wave.celerity().unwrap() * eta / (0.4 + eta);
+            assert!((now.velocity - exact).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_series_is_followed() {
+        let times: Vec<f64> = (0..=100).map(|i| f64::from(i) * 0.02).collect();
+        let angles: Vec<f64> = times.iter().map(|t| 0.1 * (3.0 * t).sin()).collect();
+        let flap = Board::Flap { hinge: -0.1 };
+        let motion = PaddleMotion::series(WATER, flap, times.clone(), angles, 0.0).unwrap();
+        let found = motion.kinematics(0.777, 0.2, StrokeMotion::default());
+        assert!((found.angle - 0.1 * 2.331f64.sin()).abs() < 1e-7);
+        assert!((found.position.y + 0.1).abs() < 1e-15);
+        assert_smooth(&motion, 1.9);
+        let upright = vec![2.0; 101];
+        assert!(PaddleMotion::series(WATER, flap, times, upright, 0.0).is_err());
+        let (times, values) = (vec![0.0, 1.0], vec![0.0, 0.1]);
+        assert!(PaddleMotion::series(WATER, Board::Piston, times, values, -1.0).is_err());
+    }
+}
