@@ -1,6 +1,6 @@
-//! Series sampled in time: zero crossings, extrema, harmonics.
+//! Series sampled in time: zero crossings, extrema, the first harmonic.
 
-use nalgebra::{DMatrix, DVector};
+use super::harmonics::harmonics;
 use std::f64::consts::TAU;
 
 /// A zero crossing.
@@ -63,7 +63,7 @@ pub fn extrema(times: &[f64], values: &[f64], level: f64) -> Vec<(f64, f64)> {
 }
 
 /// Time and value of the vertex of the parabola through a sample and its neighbours.
-fn refine(times: &[f64], values: &[f64], peak: usize) -> (f64, f64) {
+pub(super) fn refine(times: &[f64], values: &[f64], peak: usize) -> (f64, f64) {
     if peak == 0 || peak + 1 == times.len() {
         return (times[peak], values[peak]);
     }
@@ -88,25 +88,10 @@ pub fn first_harmonic(
     period: f64,
     (from, to): (f64, f64),
 ) -> Option<f64> {
-    let inside: Vec<usize> =
-        (0..times.len()).filter(|i| times[*i] >= from && times[*i] <= to).collect();
-    if inside.len() < 8 {
-        return None;
-    }
-    let basis = |time: f64, column: usize| {
-        let phase = TAU * time / period;
-        match column {
-            0 => 1.0,
-            1 => phase.cos(),
-            2 => phase.sin(),
-            3 => (2.0 * phase).cos(),
-            _ => (2.0 * phase).sin(),
-        }
-    };
-    let matrix = DMatrix::from_fn(inside.len(), 5, |row, column| basis(times[inside[row]], column));
-    let right = DVector::from_fn(inside.len(), |row, _| values[inside[row]]);
-    let fit = matrix.svd(true, true).solve(&right, 1e-12).ok()?;
-    Some(fit[1].hypot(fit[2]))
+    let inside = |time: &f64| *time >= from && *time <= to;
+    let (times, values): (Vec<f64>, Vec<f64>) =
+        times.iter().zip(values).filter(|(time, _)| inside(time)).unzip();
+    Some(harmonics(&times, &values, TAU / period, 2)?.amplitudes[0].norm())
 }
 
 #[cfg(test)]
