@@ -4,11 +4,10 @@ use crate::analysis::{decay, hydrostatics, wave};
 use crate::case::Case;
 use crate::geometry;
 use crate::output::summary::Finding;
-use crate::scene::{Body, Scene};
+use crate::scene::{Body, InitialWater, Scene};
 use crate::simulation::{Sample, displacement};
 use nalgebra::DMatrix;
 use seakeep_coupler::interface::BoundaryKinematics;
-use seakeep_fluid::setup::InitialSurface;
 
 /// The three directions of motion, with the unit of a displacement.
 const DIRECTIONS: [(&str, &str); 3] = [("sway", "m"), ("heave", "m"), ("roll", "rad")];
@@ -24,7 +23,7 @@ pub(crate) fn findings(
 ) -> Vec<Finding> {
     let scene = &case.scene;
     let mut found = Vec::new();
-    if let InitialSurface::StandingWave { half_waves, .. } = scene.fluid.water.initial_surface {
+    if let InitialWater::StandingWave { half_waves, .. } = scene.initial_water {
         standing_wave(scene, samples, half_waves, &mut found);
         energy(samples, &mut found);
     }

@@ -3,14 +3,17 @@
 use crate::case::{BodyKeys, CaseKeys, Direction, TableName};
 use nalgebra::{Point2, Vector2};
 use seakeep_fluid::setup::{
-    DampingZone, FluidSetup, InitialSurface, Numerics, RigidBoundary, Tank, Water,
+    DampingZone, FluidSetup, InitialFlow, Numerics, RigidBoundary, Tank, Water,
 };
+use std::f64::consts::PI;
 
 /// What a run simulates and writes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// The fluid and the boundaries in it.
     pub fluid: FluidSetup,
+    /// The water at the start.
+    pub initial_water: InitialWater,
     /// The bodies, in the order of the fluid's boundaries.
     pub bodies: Vec<Body>,
     /// Wave gauges.
@@ -21,6 +24,38 @@ pub struct Scene {
     pub steps: u64,
     /// When what is written.
     pub output: OutputPlan,
+}
+
+/// The water at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InitialWater {
+    /// At rest under a flat surface.
+    Still,
+    /// At rest under η = a cos(k x), k = π n / L: the start from rest that the standing-wave
+    /// solution of Wu & Taylor (1994) has to second order too.
+    StandingWave {
+        /// First-order amplitude a, m.
+        amplitude: f64,
+        /// Number n of half wavelengths in the tank.
+        half_waves: u32,
+        /// Length L of the tank, m.
+        tank_length: f64,
+    },
+}
+
+impl InitialFlow for InitialWater {
+    fn elevation(&self, x: f64) -> f64 {
+        match *self {
+            Self::Still => 0.0,
+            Self::StandingWave { amplitude, half_waves, tank_length } => {
+                amplitude * (PI * f64::from(half_waves) / tank_length * x).cos()
+            }
+        }
+    }
+
+    fn velocity(&self, _point: Point2<f64>) -> Vector2<f64> {
+        Vector2::zeros()
+    }
 }
 
 /// A rigid body: what its boundary does not say.
@@ -84,19 +119,12 @@ impl Scene {
     pub(crate) fn new(keys: &CaseKeys) -> Self {
         let time_step = keys.numerics.time_step_s.unwrap_or_default();
         let fluid = FluidSetup {
-            tank: Tank { length: keys.tank.length_m, height: keys.tank.height_m },
+            tank: Tank { length: keys.tank.length_m, height: keys.tank.height_m, paddle: None },
             water: Water {
                 depth: keys.water.depth_m,
                 density: keys.water.density_kg_m3,
                 kinematic_viscosity: keys.water.kinematic_viscosity_m2_s,
                 gravity: keys.water.gravity_m_s2,
-                initial_surface: match &keys.water.standing_wave {
-                    None => InitialSurface::Still,
-                    Some(wave) => InitialSurface::StandingWave {
-                        amplitude: wave.amplitude_m,
-                        half_waves: wave.half_waves,
-                    },
-                },
             },
             boundaries: keys.body.iter().map(boundary).collect(),
             damping_zones: keys
@@ -122,8 +150,17 @@ impl Scene {
             .iter()
             .map(|p| Probe { name: p.name.clone(), point: Point2::new(p.x_m, p.y_m) })
             .collect();
+        let initial_water = match &keys.water.standing_wave {
+            None => InitialWater::Still,
+            Some(wave) => InitialWater::StandingWave {
+                amplitude: wave.amplitude_m,
+                half_waves: wave.half_waves,
+                tank_length: keys.tank.length_m,
+            },
+        };
         Self {
             fluid,
+            initial_water,
             bodies: keys.body.iter().map(body).collect(),
             gauges,
             probes,
@@ -154,7 +191,7 @@ impl Scene {
     /// Whether nothing moves at the start and nothing will.
     #[must_use]
     pub fn is_still(&self) -> bool {
-        !self.has_free_body() && self.fluid.water.initial_surface == InitialSurface::Still
+        !self.has_free_body() && self.initial_water == InitialWater::Still
     }
 }
 

@@ -61,7 +61,7 @@ impl Simulation {
     /// # Errors
     /// When a component refuses its set-up.
     pub fn start(scene: &Scene) -> Result<Self, SimulationError> {
-        let mut fluid = Fluid::new(scene.fluid.clone())?;
+        let mut fluid = Fluid::flowing(scene.fluid.clone(), &scene.initial_water)?;
         let mut bodies = match scene.bodies.as_slice() {
             [] => None,
             _ => {

@@ -160,21 +160,22 @@ impl Component for Fluid {
 
     fn set_state(&mut self, state: &ComponentState) -> Result<(), ComponentError> {
         let state: State = state.load(NAME)?;
-        if state.particles.len() != self.state.particles.len()
+        if state.wall_activity.len() != self.state.wall_activity.len()
             || state.kinematics.len() != self.state.kinematics.len()
         {
             return Err(ComponentError::State {
                 component: NAME.to_owned(),
                 reason: format!(
-                    "it holds {} particles and {} boundaries, this fluid {} and {}",
-                    state.particles.len(),
+                    "it holds {} wall particles and {} boundaries, this fluid {} and {}",
+                    state.wall_activity.len(),
                     state.kinematics.len(),
-                    self.state.particles.len(),
+                    self.state.wall_activity.len(),
                     self.state.kinematics.len(),
                 ),
             });
         }
         self.state = state;
+        self.work.resize(self.state.particles.len());
         self.solved_for = None;
         Ok(())
     }

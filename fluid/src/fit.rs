@@ -240,7 +240,10 @@ impl WallRow {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
     pub(crate) values: Values,
+    /// Walls that bound the water here.
     pub(crate) walls: Vec<WallRow>,
+    /// Walls that do not, as those above the surface: no part of any fit, but no way through.
+    pub(crate) dry_walls: Vec<WallRow>,
 }
 
 /// Functionals of a pressure fit: each derivative is its dot product with

@@ -11,15 +11,15 @@ use crate::fit;
 use crate::free_surface::{self, Surroundings};
 use crate::krylov::Report;
 use crate::neighbours::{BLOCK, CellGrid};
-use crate::operators::{self, Local};
+use crate::operators;
 use crate::particles::Particles;
 use crate::plan::{Plan, Stage};
-use crate::setup::FluidSetup;
+use crate::setup::{FluidSetup, InitialFlow, StillWater};
 use crate::sparse::Preconditioner;
 use crate::state::{Phase, State, Work};
 use crate::variables::describe;
 use crate::walls::Walls;
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 use rayon::prelude::*;
 use seakeep_coupler::interface::{BoundaryKinematics, Description, Load, LoadResponse};
 use std::time::{Duration, Instant};
@@ -29,8 +29,9 @@ use std::time::{Duration, Instant};
 /// a little more than a half makes up for the energy that the fits add: without it, the standing
 /// wave gains 0.07 % a period at D/dx = 20.
 const ASSEMBLY_POINT: f64 = 0.52;
-/// Steps between two renumberings.
-const NUMBERING_LASTS: u64 = 64;
+/// Steps between two resamplings of the surface, with new numbers: a whole number of times as long
+/// as the factors of the preconditioner last.
+const NUMBERING_LASTS: u64 = 16;
 
 /// Incompressible water with a free surface in a tank, as particles.
 pub struct Fluid {
@@ -57,35 +58,36 @@ impl Fluid {
     /// Fills the tank of `setup` with particles at rest.
     ///
     /// # Errors
+    /// As [`Self::flowing`].
+    pub fn new(setup: FluidSetup) -> Result<Self, FluidError> {
+        Self::flowing(setup, &StillWater)
+    }
+
+    /// Fills the tank of `setup` with particles that flow like `flow`.
+    ///
+    /// # Errors
     /// [`FluidError`] for a parameter out of range, a boundary that is no simple polygon, or a
     /// spacing that leaves no particle.
-    pub fn new(setup: FluidSetup) -> Result<Self, FluidError> {
+    pub fn flowing(setup: FluidSetup, flow: &dyn InitialFlow) -> Result<Self, FluidError> {
         setup.validate()?;
-        let particles = fill::fill(&setup)?;
+        let (particles, cut) = fill::fill(&setup, flow)?;
         let count = particles.len();
         let walls = Walls::new(&setup);
         let dx = setup.numerics.particle_spacing;
         let radius = fit::RADIUS * dx;
-        let low = Point2::new(-radius, -radius);
+        let low = Point2::new(-setup.behind() - radius, -radius);
         let high = Point2::new(setup.tank.length + radius, setup.tank.height + radius);
         let plan = Plan::new(&setup);
         let free: Vec<usize> =
             (0..setup.boundaries.len()).filter(|&b| setup.boundaries[b].free).collect();
         let boundaries = setup.boundaries.len();
-        let work = Work {
+        let mut work = Work {
             grid: CellGrid::new(low, high, radius),
             wall_grid: CellGrid::new(low, high, radius),
-            position: particles.position.clone(),
-            on_surface: particles.on_surface.clone(),
-            normal: vec![Vector2::zeros(); count],
-            locals: vec![Local::default(); count],
-            rhs: vec![[0.0]; count],
-            solution: vec![[0.0]; count],
-            unit_rhs: vec![[0.0; 3]; if free.is_empty() { 0 } else { count }],
-            unit_solution: vec![vec![[0.0; 3]; count]; free.len()],
-            pressure: vec![0.0; count],
+            unit_solution: vec![Vec::new(); free.len()],
             ..Work::default()
         };
+        work.resize(count);
         let mut fluid = Self {
             runs: Stage::ALL.map(|stage| plan.runs(stage)),
             plan,
@@ -106,6 +108,7 @@ impl Fluid {
                 preconditioner: Preconditioner::default(),
                 factorized_at: None,
                 loads: vec![Load::zero(); boundaries],
+                next_identity: count as u32,
                 particles,
             },
             walls,
@@ -119,7 +122,7 @@ impl Fluid {
             free,
             setup,
         };
-        fluid.settle();
+        fluid.settle(flow, cut);
         let mut line = Vec::new();
         fluid.surface_line(&mut line);
         fluid.initial_volume = fluid.volume_below(&line);
@@ -150,21 +153,22 @@ impl Fluid {
         self.state.step
     }
 
-    /// Lets the particles around boundaries, cut out of a lattice, find an even arrangement.
-    fn settle(&mut self) {
+    /// Finds which walls are wet and, where a boundary has `cut` the lattice, lets the particles
+    /// find an even arrangement.
+    fn settle(&mut self, flow: &dyn InitialFlow, cut: bool) {
         const STEPS: usize = 200;
         self.walls.place(&self.state.kinematics, 0.0);
-        let setup = &self.setup;
-        let below = |x: &Point2<f64>| x.y < setup.water.depth + fill::initial_elevation(setup, x.x);
+        let depth = self.setup.water.depth;
+        let below = |x: &Point2<f64>| x.y < depth + flow.elevation(x.x);
         self.state.wall_activity =
             self.walls.position.iter().map(|x| f64::from(u8::from(below(x)))).collect();
-        let steps = if self.setup.boundaries.is_empty() { 2 } else { STEPS };
+        let steps = if cut { STEPS } else { 2 };
         for _ in 0..steps {
             self.neighbours(0.0);
             self.free_surface();
             self.wetted_walls();
             self.operators();
-            if !self.setup.boundaries.is_empty() {
+            if cut {
                 for (x, local) in self.state.particles.position.iter_mut().zip(&self.work.locals) {
                     *x += local.shift;
                 }
@@ -172,7 +176,7 @@ impl Fluid {
             self.state.particles.on_surface.copy_from_slice(&self.work.on_surface);
             self.state.wall_activity.copy_from_slice(&self.walls.activity);
         }
-        self.renumber();
+        self.resample();
         self.neighbours(0.0);
         self.free_surface();
         self.wetted_walls();
@@ -199,7 +203,7 @@ impl Fluid {
             }
         }
         if self.state.step.is_multiple_of(NUMBERING_LASTS) {
-            self.timed(Stage::Renumber, Self::renumber);
+            self.timed(Stage::Resample, Self::resample);
         }
         self.timed(Stage::Neighbours, |fluid| fluid.neighbours(h));
         self.timed(Stage::FreeSurface, Self::free_surface);
@@ -225,7 +229,7 @@ impl Fluid {
     }
 
     /// Midpoint positions of particles and walls, and their neighbours.
-    fn neighbours(&mut self, h: f64) {
+    pub(crate) fn neighbours(&mut self, h: f64) {
         let radius = fit::RADIUS * self.setup.numerics.particle_spacing;
         let (work, particles) = (&mut self.work, &self.state.particles);
         work.position

@@ -56,18 +56,24 @@ fn largest_gap(around: Surroundings, wall: &Walls, i: usize) -> f64 {
     let mut count = 0;
     let centre = around.position[i];
     let sight = (SIGHT * around.spacing).powi(2);
-    let fluid = around.fluid.of(i).iter().map(|&j| around.position[j as usize]);
-    let walls = around
-        .walls
-        .of(i)
-        .iter()
-        .filter(|&&w| wall.activity[w as usize] > 0.5)
-        .map(|&w| wall.position[w as usize]);
-    for point in fluid.chain(walls) {
-        let d = point - centre;
+    let mut see = |d: Vector2<f64>| {
         if d.norm_squared() < sight && count < MANY {
             angles[count] = d.y.atan2(d.x);
             count += 1;
+        }
+    };
+    for &j in around.fluid.of(i) {
+        see(around.position[j as usize] - centre);
+    }
+    for w in around.walls.of(i).iter().map(|&w| w as usize) {
+        if wall.activity[w] > 0.5 {
+            let d = wall.position[w] - centre;
+            see(d);
+            // A wall has no holes: right before it, its particles are far apart as seen from here.
+            let foot = wall.normal[w] * d.dot(&wall.normal[w]);
+            if (d - foot).norm() < 0.5 * wall.length[w] {
+                see(foot);
+            }
         }
     }
     if count == 0 {

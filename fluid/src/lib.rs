@@ -25,6 +25,7 @@ mod particles;
 mod plan;
 mod pressure;
 mod regularise;
+mod resample;
 pub mod setup;
 mod small_matrix;
 mod sparse;

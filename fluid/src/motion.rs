@@ -1,11 +1,10 @@
-//! The stages that move particles: correction, damping zones, regularisation, renumbering.
+//! The stages that move particles: correction, damping zones, regularisation.
 
 use crate::error::FluidError;
 use crate::fit;
 use crate::fluid::Fluid;
 use crate::neighbours::BLOCK;
 use crate::operators;
-use crate::particles::permute;
 use crate::plan::Stage;
 use crate::regularise;
 use crate::walls::Owner;
@@ -13,9 +12,12 @@ use nalgebra::Vector2;
 use rayon::prelude::*;
 
 /// Rate of the velocity filter in units of sqrt(g / dx): the part of the roughness that a step
-/// takes away is this rate times the step. At walls it also draws the velocity to what the wall
-/// demands.
+/// takes away is this rate times the step.
 const FILTER_RATE: f64 = 2.0;
+/// The part of that rate for particles that see a wall. There the filter also draws the velocity
+/// to what the wall demands, but rounds off the flow around corners, which a body feels as damping
+/// and added mass.
+const AT_WALLS: f64 = 0.25;
 
 impl Fluid {
     /// Eqs. (10) to (12): velocity from the pressure gradient at the midpoint, then half a drift.
@@ -107,6 +109,7 @@ impl Fluid {
             particles.position.iter_mut().zip(&mut particles.velocity).zip(&self.work.locals)
         {
             *x += local.shift;
+            let part = if local.at_wall { AT_WALLS * part } else { part };
             *u += local.shift_velocity + local.roughness * part;
             *u = regularise::collide(*u, local.contact, spacing, h);
         }
@@ -115,8 +118,9 @@ impl Fluid {
     pub(crate) fn check(&self) -> Result<(), FluidError> {
         let particles = &self.state.particles;
         let margin = 3.0 * self.setup.numerics.particle_spacing;
+        let left = -self.setup.behind() - margin;
         for (i, (x, u)) in particles.position.iter().zip(&particles.velocity).enumerate() {
-            let inside = x.x > -margin && x.x < self.setup.tank.length + margin && x.y > -margin;
+            let inside = x.x > left && x.x < self.setup.tank.length + margin && x.y > -margin;
             if !(inside && x.y.is_finite() && u.norm_squared().is_finite()) {
                 return Err(FluidError::Unstable {
                     particle: particles.identity[i],
@@ -128,33 +132,5 @@ impl Fluid {
             }
         }
         Ok(())
-    }
-
-    /// Numbers the particles column by column along the tank.
-    pub(crate) fn renumber(&mut self) {
-        let dx = self.setup.numerics.particle_spacing;
-        let (work, particles) = (&mut self.work, &mut self.state.particles);
-        work.keys.clear();
-        work.keys.extend(particles.position.iter().enumerate().map(|(i, x)| {
-            let column = (x.x / dx).max(0.0) as u64;
-            // Heights in millionths of a spacing sort as whole numbers.
-            let height = ((x.y / dx + 1e3).max(0.0) * 1e6) as u64;
-            (i as u32, (column << 40) | height.min((1 << 40) - 1))
-        }));
-        work.keys.sort_unstable_by_key(|&(i, key)| (key, i));
-        work.order.clear();
-        work.order.extend(work.keys.iter().map(|&(i, _)| i));
-        let order = &work.order;
-        permute(&mut particles.position, order, &mut work.scratch_points);
-        permute(&mut particles.velocity, order, &mut work.scratch_vectors);
-        permute(&mut particles.pressure, order, &mut work.scratch_numbers);
-        permute(&mut particles.pressure_change, order, &mut work.scratch_numbers);
-        permute(&mut particles.on_surface, order, &mut work.scratch_flags);
-        permute(&mut particles.identity, order, &mut work.scratch_identities);
-        for unit in &mut self.state.unit_pressure {
-            permute(unit, order, &mut work.scratch_units);
-        }
-        // The factors belong to the old numbering.
-        self.state.factorized_at = None;
     }
 }

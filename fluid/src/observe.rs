@@ -9,6 +9,7 @@ use crate::neighbours::CellGrid;
 use crate::operators;
 use crate::small_matrix::Symmetric;
 use nalgebra::{Point2, Vector2};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// How many particles there are.
@@ -136,14 +137,13 @@ impl Fluid {
                 * self.integrate_surface(&line, |y| (y - depth) * (y - depth)),
             ..Diagnostics::default()
         };
-        let volumes = self.particle_volumes(&line);
+        d.kinetic_energy = self.kinetic_energy(&line);
         for (i, local) in self.work.locals.iter().enumerate() {
             let speed2 = particles.velocity[i].norm_squared();
-            d.kinetic_energy += 0.5 * water.density * volumes[i] * speed2;
             d.max_speed = d.max_speed.max(speed2.sqrt());
             d.max_hydrostatic_pressure_error =
                 d.max_hydrostatic_pressure_error.max(particles.pressure[i].abs());
-            d.divergence_rms += local.divergence * local.divergence;
+            d.divergence_rms += local.velocity_gradient.trace().powi(2);
             d.thin_stencils += usize::from(local.quality != fit::Quality::Quadratic);
         }
         d.divergence_rms = (d.divergence_rms / particles.len() as f64).sqrt();
@@ -152,25 +152,29 @@ impl Fluid {
         d
     }
 
-    /// Volume that each particle stands for, m² per metre of width: the water nearest to it,
-    /// found by sampling.
-    fn particle_volumes(&self, line: &[Point2<f64>]) -> Vec<f64> {
-        const SAMPLES_A_SPACING: f64 = 4.0;
-        let position = &self.state.particles.position;
+    /// ½ ρ ∫ u² over the water, J/m, by sampling. A sample takes the velocity of the nearest
+    /// particle, carried on by its gradient: the water around a surface particle lies all below
+    /// it, and its own speed would be (k dx)²/2 too much.
+    fn kinetic_energy(&self, line: &[Point2<f64>]) -> f64 {
+        const SAMPLES_A_SPACING: f64 = 3.0;
+        let particles = &self.state.particles;
         let dx = self.setup.numerics.particle_spacing;
-        let mut volumes = vec![0.0; position.len()];
-        let tank = &self.setup.tank;
-        let mut grid =
-            CellGrid::new(Point2::origin(), Point2::new(tank.length, tank.height), 1.5 * dx);
-        grid.sort(position);
+        let (low, high) = (-self.setup.behind(), self.setup.tank.length);
+        let mut grid = CellGrid::new(
+            Point2::new(low, 0.0),
+            Point2::new(high, self.setup.tank.height),
+            1.5 * dx,
+        );
+        grid.sort(&particles.position);
         let polygons: Vec<_> = (0..self.setup.boundaries.len()).map(|b| self.polygon(b)).collect();
-        let columns = (tank.length / dx * SAMPLES_A_SPACING).ceil();
-        let width = tank.length / columns;
-        for column in 0..columns as usize {
-            let x = (column as f64 + 0.5) * width;
+        let columns = ((high - low) / dx * SAMPLES_A_SPACING).ceil();
+        let width = (high - low) / columns;
+        let column_energy = |column: usize| {
+            let x = low + (column as f64 + 0.5) * width;
             let surface = height_of(line, x);
             let rows = (surface / dx * SAMPLES_A_SPACING).ceil().max(1.0);
             let height = surface / rows;
+            let mut sum = 0.0;
             for row in 0..rows as usize {
                 let sample = Point2::new(x, (row as f64 + 0.5) * height);
                 if polygons.iter().any(|polygon| signed_distance(polygon, sample) < 0.0) {
@@ -178,21 +182,26 @@ impl Fluid {
                 }
                 let mut nearest = (f64::INFINITY, usize::MAX);
                 grid.candidates(&sample, |i| {
-                    let distance = (position[i] - sample).norm_squared();
+                    let distance = (particles.position[i] - sample).norm_squared();
                     if distance < nearest.0 {
                         nearest = (distance, i);
                     }
                 });
-                if let Some(volume) = volumes.get_mut(nearest.1) {
-                    *volume += width * height;
-                }
+                let Some(&velocity) = particles.velocity.get(nearest.1) else { continue };
+                let i = nearest.1;
+                let gradient = &self.work.locals[i].velocity_gradient;
+                let velocity = velocity + gradient * (sample - particles.position[i]);
+                sum += velocity.norm_squared() * height;
             }
-        }
-        volumes
+            0.5 * self.setup.water.density * width * sum
+        };
+        let mut energy = vec![0.0; columns as usize];
+        energy.par_iter_mut().enumerate().for_each(|(column, e)| *e = column_energy(column));
+        energy.iter().sum()
     }
 
     /// Polygon of boundary `b` where it is now.
-    fn polygon(&self, b: usize) -> Vec<Point2<f64>> {
+    pub(crate) fn polygon(&self, b: usize) -> Vec<Point2<f64>> {
         let k = &self.state.kinematics[b];
         placed(&self.setup.boundaries[b].corners, k.position, k.angle)
     }
@@ -212,10 +221,20 @@ impl Fluid {
         line.sort_unstable_by(|a, b| a.x.total_cmp(&b.x));
     }
 
+    /// Slope dx/dy of the paddle's face, with its x at height `y` (m); 0 and 0 without a paddle.
+    fn left_end(&self, y: f64) -> (f64, f64) {
+        self.setup.tank.paddle.map_or((0.0, 0.0), |paddle| {
+            let k = &self.state.kinematics[paddle];
+            let slope = -k.angle.tan();
+            (slope, k.position.x + slope * (y - k.position.y))
+        })
+    }
+
     /// ∫ f(y) dx along the surface from wall to wall, straight across boundaries.
     fn integrate_surface(&self, line: &[Point2<f64>], f: impl Fn(f64) -> f64) -> f64 {
         let (Some(first), Some(last)) = (line.first(), line.last()) else { return 0.0 };
-        let ends = f(first.y) * first.x + f(last.y) * (self.setup.tank.length - last.x);
+        let (_, left) = self.left_end(first.y);
+        let ends = f(first.y) * (first.x - left) + f(last.y) * (self.setup.tank.length - last.x);
         let between: f64 = line
             .windows(2)
             .map(|pair| 0.5 * (f(pair[0].y) + f(pair[1].y)) * (pair[1].x - pair[0].x))
@@ -226,10 +245,18 @@ impl Fluid {
     /// Volume of water per metre of width, m²: below the surface, less what boundaries displace.
     pub(crate) fn volume_below(&self, line: &[Point2<f64>]) -> f64 {
         let mut volume = self.integrate_surface(line, |y| y);
-        for (boundary, k) in self.setup.boundaries.iter().zip(&self.state.kinematics) {
+        let paddle = self.setup.tank.paddle;
+        for (b, k) in self.state.kinematics.iter().enumerate() {
             let split = line.partition_point(|p| p.x < k.position.x);
-            if split > 0 && split < line.len() {
-                let corners = placed_corners(&boundary.corners, k.position, k.angle);
+            if Some(b) == paddle {
+                // Between the face of a flap and the vertical through its upper end.
+                let top = line.first().map_or(0.0, |first| first.y);
+                let hinge = k.position.y.max(0.0);
+                let above = top - hinge;
+                volume += self.left_end(top).0 * above * (hinge + 0.5 * above);
+            } else if split > 0 && split < line.len() {
+                let corners =
+                    placed_corners(&self.setup.boundaries[b].corners, k.position, k.angle);
                 volume -= area_below(corners, line[split - 1], line[split]);
             }
         }

@@ -6,7 +6,7 @@ use crate::fit::{self, PressureFit, Quality, Rows, WallRow};
 use crate::neighbours::BLOCK;
 use crate::regularise;
 use crate::sparse::SparseMatrix;
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 
 /// What the operators give for one particle.
@@ -14,8 +14,8 @@ use rayon::prelude::*;
 pub(crate) struct Local {
     /// Pressure functionals; see [`PressureFit`].
     pub(crate) pressure: PressureFit,
-    /// ∇·u, 1/s.
-    pub(crate) divergence: f64,
+    /// ∇u, 1/s: a row for each component of the velocity.
+    pub(crate) velocity_gradient: Matrix2<f64>,
     /// ∇²u, 1/(m s).
     pub(crate) laplacian_of_velocity: Vector2<f64>,
     /// Smooth velocity minus velocity, m/s.
@@ -26,6 +26,8 @@ pub(crate) struct Local {
     /// Sum of the off-diagonal coefficients before the row was scaled by it.
     pub(crate) diagonal: f64,
     pub(crate) quality: Quality,
+    /// Whether a wall enters its fits.
+    pub(crate) at_wall: bool,
     /// The wall that it stands before.
     pub(crate) contact: Option<regularise::Contact>,
 }
@@ -85,19 +87,19 @@ fn gather(fields: Fields, i: usize, rows: &mut Rows) {
         ((fields.position[j] - centre) * scale, fields.velocity[j] - own, fields.on_surface[j])
     });
     rows.walls.clear();
+    rows.dry_walls.clear();
     for &w in fields.wall_lists.of(i) {
         let part = fields.walls.part(w as usize, centre, fields.spacing);
-        if part > 0.0 {
-            let d = (fields.walls.position[w as usize] - centre) * scale;
-            let normal = fields.walls.normal[w as usize];
-            rows.walls.push(WallRow {
-                basis: fit::basis(d),
-                slope: fit::normal_derivative(d, normal),
-                normal,
-                part,
-                index: w,
-            });
-        }
+        let d = (fields.walls.position[w as usize] - centre) * scale;
+        let normal = fields.walls.normal[w as usize];
+        let row = WallRow {
+            basis: fit::basis(d),
+            slope: fit::normal_derivative(d, normal),
+            normal,
+            part,
+            index: w,
+        };
+        if part > 0.0 { rows.walls.push(row) } else { rows.dry_walls.push(row) }
     }
 }
 
@@ -111,7 +113,8 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
     let basis = fit::basis(shift);
     Local {
         pressure,
-        divergence: (velocity.u[0] + velocity.v[1]) * scale,
+        velocity_gradient: Matrix2::new(velocity.u[0], velocity.u[1], velocity.v[0], velocity.v[1])
+            * scale,
         laplacian_of_velocity: Vector2::new(
             velocity.u[2] + velocity.u[4],
             velocity.v[2] + velocity.v[4],
@@ -121,6 +124,7 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
         shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v)),
         diagonal: rows.laplacian(&pressure.laplacian),
         quality,
+        at_wall: !rows.walls.is_empty(),
         contact: regularise::contact(fields, rows),
     }
 }

@@ -39,9 +39,9 @@ impl Particles {
     }
 }
 
-/// Reorders `values` so that the new i-th is the old `order[i]`-th.
-pub(crate) fn permute<T: Copy>(values: &mut [T], order: &[u32], scratch: &mut Vec<T>) {
+/// Reorders `values` so that the new i-th is the old `order[i]`-th; what is not in `order` goes.
+pub(crate) fn permute<T: Copy>(values: &mut Vec<T>, order: &[u32], scratch: &mut Vec<T>) {
     scratch.clear();
     scratch.extend(order.iter().map(|&old| values[old as usize]));
-    values.copy_from_slice(scratch);
+    std::mem::swap(values, scratch);
 }

@@ -8,8 +8,8 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
-    /// Renumbering of particles along the tank, now and then.
-    Renumber,
+    /// Surface particles added and taken away, and all numbered anew, now and then.
+    Resample,
     /// Lists of neighbours among fluid and wall particles.
     Neighbours,
     /// Which particles are on the free surface, and its normal.
@@ -37,7 +37,7 @@ pub enum Stage {
 impl Stage {
     /// All stages, in order.
     pub const ALL: [Self; 12] = [
-        Self::Renumber,
+        Self::Resample,
         Self::Neighbours,
         Self::FreeSurface,
         Self::WettedWalls,
@@ -66,7 +66,7 @@ impl fmt::Display for Stage {
             Self::Correct => "correct",
             Self::Damping => "damping",
             Self::Regularise => "regularise",
-            Self::Renumber => "renumber",
+            Self::Resample => "resample",
         })
     }
 }
@@ -126,7 +126,7 @@ impl Plan {
                         "there is no damping zone",
                     ),
                     Stage::Regularise => always("Lagrangian particles lose their order"),
-                    Stage::Renumber => always("keeps neighbours close in memory"),
+                    Stage::Resample => always("the surface stretches and shrinks, and neighbours are to be close in memory"),
                 };
                 PlanEntry { stage, kept, reason }
             })

@@ -175,8 +175,8 @@ impl Fluid {
                         continue;
                     }
                     // Eq. (9b): Ψ = α (ρ − ρ*)/dt + (1 − α) ρ ∇·u*.
-                    let psi =
-                        water.density * (alpha * too_thin / h + (1.0 - alpha) * local.divergence);
+                    let divergence = local.velocity_gradient.trace();
+                    let psi = water.density * (alpha * too_thin / h + (1.0 - alpha) * divergence);
                     let walls = operators::neumann(fields, i, |w| this.known_slope(w));
                     rhs[0] = (fit::dot(&local.pressure.laplacian, &walls) - square * psi / h)
                         / local.diagonal

@@ -19,6 +19,8 @@ const STRENGTH: f64 = 0.1;
 const SURFACE_STRENGTH: f64 = 0.5;
 /// A surface neighbour closer than this along the surface, in spacings, says nothing of its shape.
 const CLOSEST: f64 = 0.3;
+/// A particle further behind a wall than this, in spacings, is on the other side of what it bounds.
+const DEEPEST: f64 = -1.0;
 /// See [`collide`].
 const APPROACH_STEPS: f64 = 5.0;
 /// Longest shift a step, in spacings.
@@ -35,7 +37,7 @@ pub(crate) struct Contact {
 /// The nearest wall that the particle stands before.
 pub(crate) fn contact(fields: Fields, rows: &Rows) -> Option<Contact> {
     let mut nearest: Option<Contact> = None;
-    for wall in &rows.walls {
+    for wall in rows.walls.iter().chain(&rows.dry_walls) {
         let d = Vector2::new(wall.basis[0], wall.basis[1]);
         if let Some(distance) = foot(fields, d, wall.normal, wall.index)
             && nearest.is_none_or(|nearest| distance < nearest.distance)
@@ -67,7 +69,7 @@ fn foot(fields: Fields, d: Vector2<f64>, normal: Vector2<f64>, w: u32) -> Option
     let distance = -d.dot(&normal);
     let beside = (d + distance * normal).norm();
     let half_piece = 0.5 * fields.walls.length[w as usize] / fields.spacing;
-    (beside <= half_piece * (1.0 + 1e-9)).then_some(distance)
+    (beside <= half_piece * (1.0 + 1e-9) && distance > DEEPEST).then_some(distance)
 }
 
 /// Shift of particle `i` in spacings.
@@ -98,7 +100,7 @@ fn repulsion(fields: Fields, rows: &Rows, of_surface_only: bool) -> Vector2<f64>
     };
     pushing().for_each(|k| push(values.offset(k)));
     // A wall acts as a mirror: the particle's own image and those of its neighbours.
-    for wall in &rows.walls {
+    for wall in rows.walls.iter().chain(&rows.dry_walls) {
         let d = Vector2::new(wall.basis[0], wall.basis[1]);
         let Some(distance) = foot(fields, d, wall.normal, wall.index) else { continue };
         if distance > RANGE {

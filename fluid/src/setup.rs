@@ -20,13 +20,17 @@ pub struct FluidSetup {
     pub numerics: Numerics,
 }
 
-/// A rectangular tank.
+/// A rectangular tank, from x = 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tank {
     /// Length, m.
     pub length: f64,
     /// Height of the side walls, m.
     pub height: f64,
+    /// The boundary that closes the tank at the left in place of a wall, if there is one: a
+    /// wavemaker's paddle. It stands at x = 0 at the start, upright; its face is its own line
+    /// x = 0, upwards from its reference point, and what else its corners enclose lies behind.
+    pub paddle: Option<usize>,
 }
 
 /// The water at the start.
@@ -40,23 +44,29 @@ pub struct Water {
     pub kinematic_viscosity: f64,
     /// Gravitational acceleration g, m/s², downwards.
     pub gravity: f64,
-    /// The surface at the start.
-    pub initial_surface: InitialSurface,
 }
 
-/// The free surface at the start; the water is at rest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum InitialSurface {
-    /// Flat at the still-water depth.
-    Still,
-    /// η = a cos(k x), k = π n / L: the start from rest that the standing-wave solution of
-    /// Wu & Taylor (1994) has to second order too.
-    StandingWave {
-        /// First-order amplitude a, m.
-        amplitude: f64,
-        /// Number n of half wavelengths in the tank.
-        half_waves: u32,
-    },
+/// The water at the start: where its surface is and how it moves.
+pub trait InitialFlow {
+    /// Elevation of the surface above still water at `x` (m), m.
+    fn elevation(&self, x: f64) -> f64;
+
+    /// Velocity at a point in the water, m/s.
+    fn velocity(&self, point: Point2<f64>) -> Vector2<f64>;
+}
+
+/// Water at rest under a flat surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StillWater;
+
+impl InitialFlow for StillWater {
+    fn elevation(&self, _x: f64) -> f64 {
+        0.0
+    }
+
+    fn velocity(&self, _point: Point2<f64>) -> Vector2<f64> {
+        Vector2::zeros()
+    }
 }
 
 /// A rigid boundary: a simple polygon that moves as a rigid body.
@@ -103,6 +113,13 @@ pub struct Numerics {
 }
 
 impl FluidSetup {
+    /// How far the bed reaches behind x = 0, m: as far as the paddle.
+    pub(crate) fn behind(&self) -> f64 {
+        let paddle = self.tank.paddle.map(|index| &self.boundaries[index]);
+        let corners = paddle.into_iter().flat_map(|paddle| &paddle.corners);
+        -corners.map(|corner| corner.x).fold(0.0, f64::min)
+    }
+
     /// Checks what the fluid itself depends on.
     pub(crate) fn validate(&self) -> Result<(), FluidError> {
         let positive = "a finite number above 0";
@@ -123,6 +140,15 @@ impl FluidSetup {
                 let allowed = if may_be_zero { not_negative } else { positive };
                 return Err(FluidError::Parameter { parameter, value, allowed });
             }
+        }
+        if let Some(paddle) = self.tank.paddle
+            && !self.boundaries.get(paddle).is_some_and(|boundary| !boundary.free)
+        {
+            return Err(FluidError::Parameter {
+                parameter: "index of the paddle",
+                value: paddle as f64,
+                allowed: "that of a boundary whose motion is prescribed",
+            });
         }
         for zone in &self.damping_zones {
             let sound = zone.inner_x.is_finite()

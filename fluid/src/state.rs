@@ -37,6 +37,8 @@ pub(crate) struct State {
     pub(crate) time: f64,
     pub(crate) step: u64,
     pub(crate) particles: Particles,
+    /// Identity of the next particle that is added.
+    pub(crate) next_identity: u32,
     pub(crate) kinematics: Vec<BoundaryKinematics>,
     pub(crate) accelerations: Vec<f64>,
     /// Pressure of unit accelerations of each free boundary, Pa per m/s² and rad/s².
@@ -76,7 +78,28 @@ pub(crate) struct Work {
     pub(crate) scratch_points: Vec<Point2<f64>>,
     pub(crate) scratch_vectors: Vec<Vector2<f64>>,
     pub(crate) scratch_numbers: Vec<f64>,
+    /// Particles that resampling takes out.
+    pub(crate) taken: Vec<bool>,
     pub(crate) scratch_flags: Vec<bool>,
     pub(crate) scratch_identities: Vec<u32>,
     pub(crate) scratch_units: Vec<[f64; 3]>,
+}
+
+impl Work {
+    /// Makes room for `count` particles.
+    pub(crate) fn resize(&mut self, count: usize) {
+        self.position.resize(count, Point2::origin());
+        self.on_surface.resize(count, false);
+        self.normal.resize(count, Vector2::zeros());
+        self.locals.resize(count, Local::default());
+        self.rhs.resize(count, [0.0]);
+        self.solution.resize(count, [0.0]);
+        self.pressure.resize(count, 0.0);
+        if !self.unit_solution.is_empty() {
+            self.unit_rhs.resize(count, [0.0; 3]);
+        }
+        for unit in &mut self.unit_solution {
+            unit.resize(count, [0.0; 3]);
+        }
+    }
 }

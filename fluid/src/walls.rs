@@ -52,10 +52,10 @@ impl Walls {
     /// Lays wall particles over the tank and the boundaries of `setup`.
     pub(crate) fn new(setup: &FluidSetup) -> Self {
         let mut walls = Self::default();
-        let (length, height) = (setup.tank.length, setup.tank.height);
+        let (left, length, height) = (-setup.behind(), setup.tank.length, setup.tank.height);
         let tank = [
-            (Vector2::new(0.0, height), Vector2::new(0.0, 0.0)),
-            (Vector2::new(0.0, 0.0), Vector2::new(length, 0.0)),
+            (Vector2::new(left, height), Vector2::new(left, 0.0)),
+            (Vector2::new(left, 0.0), Vector2::new(length, 0.0)),
             (Vector2::new(length, 0.0), Vector2::new(length, height)),
         ];
         let spacing = setup.numerics.particle_spacing;

@@ -65,7 +65,7 @@ impl Coupled {
         let gravity = scene.fluid.water.gravity;
         let engine = Box::new(RapierEngine::new());
         let mut bodies = RigidBodies::new(properties.collect(), gravity, engine).unwrap();
-        let mut fluid = Fluid::new(scene.fluid.clone()).unwrap();
+        let mut fluid = Fluid::flowing(scene.fluid.clone(), &scene.initial_water).unwrap();
         let step = scene.time_step();
         let master = FixedStepMaster::start(0.0, step, &mut fluid, Some(&mut bodies)).unwrap();
         Self { fluid, bodies, master }

@@ -44,7 +44,8 @@ fn allocations_are_counted() {
 fn a_step_without_bodies_allocates_nothing() {
     let case = case(STANDING_WAVE, &[]);
     let counts = on_one_thread(|| {
-        let mut fluid = Fluid::new(case.scene.fluid.clone()).unwrap();
+        let mut fluid =
+            Fluid::flowing(case.scene.fluid.clone(), &case.scene.initial_water).unwrap();
         let h = case.scene.time_step();
         let mut master = FixedStepMaster::start(0.0, h, &mut fluid, None).unwrap();
         let mut counts = Vec::new();

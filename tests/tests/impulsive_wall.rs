@@ -10,7 +10,7 @@
 use nalgebra::{Point2, Vector2};
 use seakeep_coupler::interface::{Component, LoadComponent};
 use seakeep_fluid::Fluid;
-use seakeep_fluid::setup::{FluidSetup, InitialSurface, Numerics, RigidBoundary, Tank, Water};
+use seakeep_fluid::setup::{FluidSetup, Numerics, RigidBoundary, Tank, Water};
 use std::f64::consts::PI;
 
 const DEPTH: f64 = 0.4;
@@ -30,14 +30,8 @@ fn exact() -> f64 {
 fn found(spacing: f64) -> f64 {
     let corners = [(-1.0, 0.0), (1.0, 0.0), (1.0, 0.5), (-1.0, 0.5)];
     let setup = FluidSetup {
-        tank: Tank { length: LENGTH, height: 0.6 },
-        water: Water {
-            depth: DEPTH,
-            density: 1000.0,
-            kinematic_viscosity: 0.0,
-            gravity: 9.81,
-            initial_surface: InitialSurface::Still,
-        },
+        tank: Tank { length: LENGTH, height: 0.6, paddle: None },
+        water: Water { depth: DEPTH, density: 1000.0, kinematic_viscosity: 0.0, gravity: 9.81 },
         boundaries: vec![RigidBoundary {
             name: "wall".to_owned(),
             corners: corners.map(|(x, y)| Vector2::new(x * HALF_WIDTH, y)).to_vec(),
