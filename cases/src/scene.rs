@@ -31,6 +31,11 @@ pub struct Scene {
 pub enum InitialWater {
     /// At rest under a flat surface.
     Still,
+    /// A column at rest with a free face, as behind a dam that is taken away.
+    Column {
+        /// Width of the column from x = 0, m.
+        width: f64,
+    },
     /// At rest under η = a cos(k x), k = π n / L: the start from rest that the standing-wave
     /// solution of Wu & Taylor (1994) has to second order too.
     StandingWave {
@@ -46,7 +51,7 @@ pub enum InitialWater {
 impl InitialFlow for InitialWater {
     fn elevation(&self, x: f64) -> f64 {
         match *self {
-            Self::Still => 0.0,
+            Self::Still | Self::Column { .. } => 0.0,
             Self::StandingWave { amplitude, half_waves, tank_length } => {
                 amplitude * (PI * f64::from(half_waves) / tank_length * x).cos()
             }
@@ -55,6 +60,13 @@ impl InitialFlow for InitialWater {
 
     fn velocity(&self, _point: Point2<f64>) -> Vector2<f64> {
         Vector2::zeros()
+    }
+
+    fn reach(&self) -> Option<f64> {
+        match *self {
+            Self::Column { width } => Some(width),
+            _ => None,
+        }
     }
 }
 
@@ -150,9 +162,10 @@ impl Scene {
             .iter()
             .map(|p| Probe { name: p.name.clone(), point: Point2::new(p.x_m, p.y_m) })
             .collect();
-        let initial_water = match &keys.water.standing_wave {
-            None => InitialWater::Still,
-            Some(wave) => InitialWater::StandingWave {
+        let initial_water = match (&keys.water.standing_wave, keys.water.width_m) {
+            (None, None) => InitialWater::Still,
+            (None, Some(width)) => InitialWater::Column { width },
+            (Some(wave), _) => InitialWater::StandingWave {
                 amplitude: wave.amplitude_m,
                 half_waves: wave.half_waves,
                 tank_length: keys.tank.length_m,

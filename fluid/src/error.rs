@@ -43,7 +43,8 @@ pub enum FluidError {
         /// Relative residual asked for.
         tolerance: f64,
     },
-    /// A particle has a position or velocity that is not finite, or has left the tank.
+    /// A particle has a position or velocity that is not finite, or too many have left the tank or are
+    /// faster than any water in it could be.
     #[error(
         "particle {particle} at ({x:.4}, {y:.4}) m moves at ({u:.3e}, {v:.3e}) m/s: the run has \
          become unstable"

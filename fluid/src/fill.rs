@@ -18,12 +18,20 @@ pub(crate) fn fill(
     flow: &dyn InitialFlow,
 ) -> Result<(Particles, bool), FluidError> {
     let dx = setup.numerics.particle_spacing;
-    let columns = (setup.tank.length / dx).round() as usize;
+    // Particles on a free face stand on it, those at a wall half a spacing off.
+    let reach = flow.reach().filter(|reach| *reach < setup.tank.length);
+    let columns = match reach {
+        Some(reach) => (reach / dx + 0.5).floor() as usize,
+        None => (setup.tank.length / dx).round() as usize,
+    };
     let rows = (setup.water.depth / dx + 0.5).floor() as usize;
     if columns == 0 || rows == 0 {
         return Err(FluidError::NoParticles { spacing: dx });
     }
-    let width = setup.tank.length / columns as f64;
+    let width = match reach {
+        Some(reach) => reach / (columns as f64 - 0.5),
+        None => setup.tank.length / columns as f64,
+    };
     let polygons: Vec<_> =
         setup.boundaries.iter().map(|b| placed(&b.corners, b.position, b.angle)).collect();
     let mut position = Vec::with_capacity(columns * rows);
@@ -37,7 +45,7 @@ pub(crate) fn fill(
             let point = Point2::new(x, surface - row as f64 * height);
             if polygons.iter().all(|p| signed_distance(p, point) >= CLEARANCE * dx) {
                 position.push(point);
-                on_surface.push(row == 0);
+                on_surface.push(row == 0 || (reach.is_some() && column + 1 == columns));
             } else {
                 cut = true;
             }

@@ -14,11 +14,14 @@ use nalgebra::Vector2;
 pub(crate) const RADIUS: f64 = 2.6;
 
 /// A pivot below this part of its diagonal means a direction that the neighbours do not resolve.
-const PIVOT_THRESHOLD: f64 = 1e-5;
+const PIVOT_THRESHOLD: f64 = 5e-3;
 
 /// Added to the second-derivative diagonal of an unresolved fit, in parts of its trace: the fit
 /// then falls back to a linear one.
 const LINEAR_FALLBACK: f64 = 10.0;
+
+/// Neighbours below which there is no fit: a few particles in the air fly freely.
+const FEWEST: usize = 6;
 
 /// Weight of a Neumann row relative to a value row. A small weight keeps the condition where a
 /// quadratic field can meet it, and lets the fit give way where it cannot, at a corner and where
@@ -123,6 +126,13 @@ impl Values {
     #[inline(always)]
     pub(crate) fn offset(&self, k: usize) -> Vector2<f64> {
         Vector2::new(self.x[k], self.y[k])
+    }
+
+    /// Largest speed relative to the centre, m/s: no smooth value lies further off.
+    #[inline(always)]
+    fn largest_difference(&self) -> f64 {
+        let speeds = self.u[..self.len].iter().zip(&self.v[..self.len]);
+        speeds.map(|(u, v)| u * u + v * v).fold(0.0, f64::max).sqrt()
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -309,6 +319,9 @@ impl Rows {
         for row in &self.walls {
             pressure.add_outer(row.part * WALL_WEIGHT * bell(row.distance2()), &row.slope);
         }
+        if self.values.len() + self.walls.len() < FEWEST {
+            return (PressureFit::default(), VelocityFit::default(), Quality::None);
+        }
         let (factor, quality) = factorize(pressure, &[2, 3, 4]);
         let Some(factor) = factor else {
             return (PressureFit::default(), VelocityFit::default(), Quality::None);
@@ -331,7 +344,9 @@ impl Rows {
         } else {
             self.fit_velocity_at_walls(&moments, wall_excess)
         };
-        (pressure_fit, velocity, quality)
+        let limit = self.values.largest_difference();
+        let roughness = velocity.roughness.cap_magnitude(limit);
+        (pressure_fit, VelocityFit { roughness, ..velocity }, quality)
     }
 
     /// Both velocity components at once, since a wall's row holds both; the value at the centre

@@ -31,7 +31,7 @@ use std::time::{Duration, Instant};
 const ASSEMBLY_POINT: f64 = 0.52;
 /// Steps between two resamplings of the surface, with new numbers: a whole number of times as long
 /// as the factors of the preconditioner last.
-const NUMBERING_LASTS: u64 = 16;
+const NUMBERING_LASTS: u64 = 8;
 
 /// Incompressible water with a free surface in a tank, as particles.
 pub struct Fluid {
@@ -109,6 +109,7 @@ impl Fluid {
                 factorized_at: None,
                 loads: vec![Load::zero(); boundaries],
                 next_identity: count as u32,
+                lost: 0,
                 particles,
             },
             walls,

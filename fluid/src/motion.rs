@@ -11,13 +11,12 @@ use crate::walls::Owner;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
-/// Rate of the velocity filter in units of sqrt(g / dx): the part of the roughness that a step
-/// takes away is this rate times the step.
+/// Rate of the filter in units of sqrt(g / dx): the part of the roughness that a step takes away is
+/// this rate times the step.
 const FILTER_RATE: f64 = 2.0;
-/// The part of that rate for particles that see a wall. There the filter also draws the velocity
-/// to what the wall demands, but rounds off the flow around corners, which a body feels as damping
-/// and added mass.
-const AT_WALLS: f64 = 0.25;
+
+/// Part of the particles that may be lost before a run counts as unstable.
+const MOST_LOST: f64 = 0.01;
 
 impl Fluid {
     /// Eqs. (10) to (12): velocity from the pressure gradient at the midpoint, then half a drift.
@@ -103,25 +102,41 @@ impl Fluid {
     pub(crate) fn regularise(&mut self, h: f64) {
         let spacing = self.setup.numerics.particle_spacing;
         let rate = FILTER_RATE * (self.setup.water.gravity / spacing).sqrt();
-        let part = (rate * h).min(0.5);
+        let part = rate * h;
         let particles = &mut self.state.particles;
         for ((x, u), local) in
             particles.position.iter_mut().zip(&mut particles.velocity).zip(&self.work.locals)
         {
             *x += local.shift;
-            let part = if local.at_wall { AT_WALLS * part } else { part };
+            let part = (part * local.filter).min(0.5);
+            *x += local.surface_roughness * part;
             *u += local.shift_velocity + local.roughness * part;
-            *u = regularise::collide(*u, local.contact, spacing, h);
+            let (velocity, back) = regularise::collide(*u, local.contacts, spacing, h);
+            *u = velocity;
+            *x += back;
         }
     }
 
+    /// Whether particle `i` is lost: out of the tank, or faster than any water in it could be.
+    /// Spray does this; resampling takes it out.
+    pub(crate) fn is_lost(&self, i: usize) -> bool {
+        const FASTEST: f64 = 5.0;
+        let (x, u) = (self.state.particles.position[i], self.state.particles.velocity[i]);
+        let (tank, water) = (&self.setup.tank, &self.setup.water);
+        let margin = 2.0 * self.setup.numerics.particle_spacing;
+        let inside =
+            x.x > -self.setup.behind() - margin && x.x < tank.length + margin && x.y > -margin;
+        !inside || u.norm_squared() > FASTEST * FASTEST * water.gravity * tank.height
+    }
+
+    /// Fails when a particle is nowhere or more are lost than [`MOST_LOST`].
     pub(crate) fn check(&self) -> Result<(), FluidError> {
         let particles = &self.state.particles;
-        let margin = 3.0 * self.setup.numerics.particle_spacing;
-        let left = -self.setup.behind() - margin;
+        let mut lost = self.state.lost;
         for (i, (x, u)) in particles.position.iter().zip(&particles.velocity).enumerate() {
-            let inside = x.x > left && x.x < self.setup.tank.length + margin && x.y > -margin;
-            if !(inside && x.y.is_finite() && u.norm_squared().is_finite()) {
+            let finite = x.x.is_finite() && x.y.is_finite() && u.norm_squared().is_finite();
+            lost += u64::from(finite && self.is_lost(i));
+            if !finite || lost as f64 > MOST_LOST * particles.len() as f64 {
                 return Err(FluidError::Unstable {
                     particle: particles.identity[i],
                     x: x.x,

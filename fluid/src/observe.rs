@@ -51,6 +51,9 @@ pub struct Diagnostics {
     pub max_speed: f64,
     /// Largest |p − ρ g (D − y)| of all particles, Pa.
     pub max_hydrostatic_pressure_error: f64,
+    /// Particles taken out since the start because they had left the tank or were faster than any
+    /// water in it could be.
+    pub particles_lost: u64,
     /// Particles whose last fit was not quadratic.
     pub thin_stencils: usize,
 }
@@ -70,15 +73,25 @@ pub struct ParticlesView<'a> {
     pub identity: &'a [u32],
 }
 
-/// Height of the surface `line` at `x`, level beyond its ends, m.
-fn height_of(line: &[Point2<f64>], x: f64) -> f64 {
+/// Height of the surface `line` at `x`, level beyond its ends, m; `None` for an empty line.
+fn height_of(line: &[Point2<f64>], x: f64) -> Option<f64> {
     let after = line.partition_point(|p| p.x < x);
     match (after.checked_sub(1).map(|before| line[before]), line.get(after)) {
-        (Some(a), Some(b)) => a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x),
-        (Some(end), None) => end.y,
-        (None, Some(end)) => end.y,
-        (None, None) => 0.0,
+        (Some(a), Some(b)) => Some(a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x)),
+        (Some(end), None) => Some(end.y),
+        (None, end) => end.map(|end| end.y),
     }
+}
+
+/// Integrals over the water per metre of width.
+#[derive(Clone, Copy, Debug, Default)]
+struct Integrals {
+    /// ∫ dA, m².
+    volume: f64,
+    /// ∫ y dA, m³.
+    height: f64,
+    /// ∫ u² dA, m⁴/s².
+    speed2: f64,
 }
 
 impl Fluid {
@@ -122,22 +135,30 @@ impl Fluid {
     pub fn diagnostics(&self) -> Diagnostics {
         let (water, particles) = (&self.setup.water, &self.state.particles);
         let mut line = Vec::new();
-        self.surface_line(&mut line);
-        let volume = self.volume_below(&line);
-        let rho_g = water.density * water.gravity;
-        let depth = water.depth;
+        if !self.overturns() {
+            self.surface_line(&mut line);
+        }
+        let integrals = self.integrals(&line);
+        let (depth, length) = (water.depth, self.setup.tank.length);
+        // ∫ y dA − D V + ½ D² L = ½ ∫ (y − D)² dx where the surface is a function of x.
+        let (volume, potential) = if line.is_empty() {
+            let volume = integrals.volume;
+            (volume, integrals.height - depth * volume + 0.5 * depth * depth * length)
+        } else {
+            let square = |y: f64| (y - depth) * (y - depth);
+            (self.volume_below(&line), 0.5 * self.integrate_surface(&line, square))
+        };
         let mut d = Diagnostics {
             pressure_iterations: self.report.iterations,
             added_mass_iterations: self.unit_report.iterations,
             pressure_residual: self.report.residual,
             particles_active: particles.len(),
+            particles_lost: self.state.lost,
             volume_error: volume / self.initial_volume - 1.0,
-            potential_energy: 0.5
-                * rho_g
-                * self.integrate_surface(&line, |y| (y - depth) * (y - depth)),
+            potential_energy: water.density * water.gravity * potential,
+            kinetic_energy: 0.5 * water.density * integrals.speed2,
             ..Diagnostics::default()
         };
-        d.kinetic_energy = self.kinetic_energy(&line);
         for (i, local) in self.work.locals.iter().enumerate() {
             let speed2 = particles.velocity[i].norm_squared();
             d.max_speed = d.max_speed.max(speed2.sqrt());
@@ -152,52 +173,68 @@ impl Fluid {
         d
     }
 
-    /// ½ ρ ∫ u² over the water, J/m, by sampling. A sample takes the velocity of the nearest
-    /// particle, carried on by its gradient: the water around a surface particle lies all below
-    /// it, and its own speed would be (k dx)²/2 too much.
-    fn kinetic_energy(&self, line: &[Point2<f64>]) -> f64 {
+    /// Whether the surface overturns somewhere: it is then no function of x.
+    pub(crate) fn overturns(&self) -> bool {
+        const STEEPEST: f64 = 0.2;
+        let steep = |(n, &surface): (&Vector2<f64>, &bool)| surface && n.y < STEEPEST;
+        self.work.normal.iter().zip(&self.work.on_surface).any(steep)
+    }
+
+    /// Integrals over the water by sampling: below the surface `line` or, if that is empty, wherever
+    /// particles are, whatever the shape of the surface. A sample takes the velocity of the nearest
+    /// particle, carried on by its gradient: the water around a surface particle lies all below it,
+    /// and its own speed would be (k dx)²/2 too much.
+    fn integrals(&self, line: &[Point2<f64>]) -> Integrals {
         const SAMPLES_A_SPACING: f64 = 3.0;
         let particles = &self.state.particles;
         let dx = self.setup.numerics.particle_spacing;
         let (low, high) = (-self.setup.behind(), self.setup.tank.length);
-        let mut grid = CellGrid::new(
-            Point2::new(low, 0.0),
-            Point2::new(high, self.setup.tank.height),
-            1.5 * dx,
-        );
+        let top = particles.position.iter().map(|x| x.y).fold(0.0, f64::max).min(1e3 * dx);
+        let mut grid = CellGrid::new(Point2::new(low, 0.0), Point2::new(high, top), 1.5 * dx);
         grid.sort(&particles.position);
         let polygons: Vec<_> = (0..self.setup.boundaries.len()).map(|b| self.polygon(b)).collect();
-        let columns = ((high - low) / dx * SAMPLES_A_SPACING).ceil();
+        let count = |length: f64| (length / dx * SAMPLES_A_SPACING).ceil().max(1.0);
+        let columns = count(high - low);
         let width = (high - low) / columns;
-        let column_energy = |column: usize| {
+        let column_integrals = |column: usize| {
             let x = low + (column as f64 + 0.5) * width;
-            let surface = height_of(line, x);
-            let rows = (surface / dx * SAMPLES_A_SPACING).ceil().max(1.0);
+            let surface = height_of(line, x).unwrap_or(top);
+            let rows = count(surface);
             let height = surface / rows;
-            let mut sum = 0.0;
+            let mut sum = Integrals::default();
             for row in 0..rows as usize {
                 let sample = Point2::new(x, (row as f64 + 0.5) * height);
-                if polygons.iter().any(|polygon| signed_distance(polygon, sample) < 0.0) {
-                    continue;
-                }
-                let mut nearest = (f64::INFINITY, usize::MAX);
+                let mut nearest = (dx * dx, usize::MAX);
                 grid.candidates(&sample, |i| {
                     let distance = (particles.position[i] - sample).norm_squared();
                     if distance < nearest.0 {
                         nearest = (distance, i);
                     }
                 });
-                let Some(&velocity) = particles.velocity.get(nearest.1) else { continue };
                 let i = nearest.1;
-                let gradient = &self.work.locals[i].velocity_gradient;
-                let velocity = velocity + gradient * (sample - particles.position[i]);
-                sum += velocity.norm_squared() * height;
+                let Some(position) = particles.position.get(i) else { continue };
+                let d = sample - position;
+                if (line.is_empty() && particles.on_surface[i] && d.dot(&self.work.normal[i]) > 0.0)
+                    || polygons.iter().any(|polygon| signed_distance(polygon, sample) < 0.0)
+                {
+                    continue;
+                }
+                let velocity = particles.velocity[i] + self.work.locals[i].velocity_gradient * d;
+                sum.volume += height;
+                sum.height += height * sample.y;
+                sum.speed2 += height * velocity.norm_squared();
             }
-            0.5 * self.setup.water.density * width * sum
+            sum
         };
-        let mut energy = vec![0.0; columns as usize];
-        energy.par_iter_mut().enumerate().for_each(|(column, e)| *e = column_energy(column));
-        energy.iter().sum()
+        let mut parts = vec![Integrals::default(); columns as usize];
+        parts.par_iter_mut().enumerate().for_each(|(column, e)| *e = column_integrals(column));
+        let mut total = Integrals::default();
+        for part in &parts {
+            total.volume += part.volume * width;
+            total.height += part.height * width;
+            total.speed2 += part.speed2 * width;
+        }
+        total
     }
 
     /// Polygon of boundary `b` where it is now.
@@ -218,7 +255,7 @@ impl Fluid {
                 .filter(|(_, surface)| **surface)
                 .map(|(x, _)| *x),
         );
-        line.sort_unstable_by(|a, b| a.x.total_cmp(&b.x));
+        line.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(b.y.total_cmp(&a.y)));
     }
 
     /// Slope dx/dy of the paddle's face, with its x at height `y` (m); 0 and 0 without a paddle.
@@ -234,7 +271,11 @@ impl Fluid {
     fn integrate_surface(&self, line: &[Point2<f64>], f: impl Fn(f64) -> f64) -> f64 {
         let (Some(first), Some(last)) = (line.first(), line.last()) else { return 0.0 };
         let (_, left) = self.left_end(first.y);
-        let ends = f(first.y) * (first.x - left) + f(last.y) * (self.setup.tank.length - last.x);
+        let right = self.setup.tank.length;
+        // Beyond an end that stands off the wall the bed is dry.
+        let dry = 2.0 * self.setup.numerics.particle_spacing;
+        let end = |y: f64, gap: f64| f(if gap > dry { 0.0 } else { y }) * gap;
+        let ends = end(first.y, first.x - left) + end(last.y, right - last.x);
         let between: f64 = line
             .windows(2)
             .map(|pair| 0.5 * (f(pair[0].y) + f(pair[1].y)) * (pair[1].x - pair[0].x))

@@ -26,10 +26,12 @@ pub(crate) struct Local {
     /// Sum of the off-diagonal coefficients before the row was scaled by it.
     pub(crate) diagonal: f64,
     pub(crate) quality: Quality,
-    /// Whether a wall enters its fits.
-    pub(crate) at_wall: bool,
-    /// The wall that it stands before.
-    pub(crate) contact: Option<regularise::Contact>,
+    /// Part of the filter's rate that applies here.
+    pub(crate) filter: f64,
+    /// From the particle to the smooth surface, m; zero below the surface.
+    pub(crate) surface_roughness: Vector2<f64>,
+    /// The walls that it stands before: the nearest, and another in a corner.
+    pub(crate) contacts: [Option<regularise::Contact>; 2],
 }
 
 /// Scratch of a block of particles.
@@ -124,8 +126,13 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
         shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v)),
         diagonal: rows.laplacian(&pressure.laplacian),
         quality,
-        at_wall: !rows.walls.is_empty(),
-        contact: regularise::contact(fields, rows),
+        filter: regularise::filter(fields, i, rows),
+        contacts: regularise::contacts(fields, rows),
+        surface_roughness: if fields.on_surface[i] {
+            fields.normal[i] * (regularise::surface_roughness(fields, i, rows) * fields.spacing)
+        } else {
+            Vector2::zeros()
+        },
     }
 }
 

@@ -7,7 +7,6 @@ use crate::krylov::{Report, Stop};
 use crate::neighbours::BLOCK;
 use crate::operators::{self, Local};
 use crate::walls::Owner;
-use nalgebra::Vector2;
 use rayon::prelude::*;
 
 /// Steps between two factorizations of the preconditioner.
@@ -140,9 +139,7 @@ impl Fluid {
     /// that the pressure would answer; shifting evens out what is local. Where the surface
     /// overturns, its volume cannot be told by its elevation, and nothing is fed back.
     fn density_deficit(&mut self) -> f64 {
-        const STEEPEST: f64 = 0.2;
-        let overturns = |(n, &surface): (&Vector2<f64>, &bool)| surface && n.y < STEEPEST;
-        if self.work.normal.iter().zip(&self.work.on_surface).any(overturns) {
+        if self.overturns() {
             return 0.0;
         }
         let mut line = std::mem::take(&mut self.work.line);

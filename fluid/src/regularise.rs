@@ -7,7 +7,8 @@
 //! flow.
 
 use crate::fields::Fields;
-use crate::fit::Rows;
+use crate::fit::{self, Rows};
+use crate::small_matrix::Symmetric;
 use nalgebra::Vector2;
 
 /// Range of the repulsion in spacings: below two, so that the row under the surface sees as much
@@ -19,8 +20,14 @@ const STRENGTH: f64 = 0.1;
 const SURFACE_STRENGTH: f64 = 0.5;
 /// A surface neighbour closer than this along the surface, in spacings, says nothing of its shape.
 const CLOSEST: f64 = 0.3;
+/// A wall reaches this far beyond its end, in spacings, so that nothing slips out at a corner.
+const OVERHANG: f64 = 1e-9;
 /// A particle further behind a wall than this, in spacings, is on the other side of what it bounds.
 const DEEPEST: f64 = -1.0;
+/// Walls whose normals differ by less than this (cosine) count as one.
+const SAME_WALL: f64 = 0.7;
+/// No particle stays nearer to a wall than this, in spacings.
+const NEAREST: f64 = 0.2;
 /// See [`collide`].
 const APPROACH_STEPS: f64 = 5.0;
 /// Longest shift a step, in spacings.
@@ -34,34 +41,53 @@ pub(crate) struct Contact {
     pub(crate) wall_velocity: f64,
 }
 
-/// The nearest wall that the particle stands before.
-pub(crate) fn contact(fields: Fields, rows: &Rows) -> Option<Contact> {
-    let mut nearest: Option<Contact> = None;
+/// The nearest wall that the particle stands before and, in a corner, the nearest of another
+/// direction.
+pub(crate) fn contacts(fields: Fields, rows: &Rows) -> [Option<Contact>; 2] {
+    let mut contacts: [Option<Contact>; 2] = [None; 2];
     for wall in rows.walls.iter().chain(&rows.dry_walls) {
         let d = Vector2::new(wall.basis[0], wall.basis[1]);
-        if let Some(distance) = foot(fields, d, wall.normal, wall.index)
-            && nearest.is_none_or(|nearest| distance < nearest.distance)
-        {
-            let wall_velocity = fields.walls.velocity[wall.index as usize].dot(&wall.normal);
-            nearest = Some(Contact { distance, normal: wall.normal, wall_velocity });
+        let Some(distance) = foot(fields, d, wall.normal, wall.index) else { continue };
+        let wall_velocity = fields.walls.velocity[wall.index as usize].dot(&wall.normal);
+        let found = Contact { distance, normal: wall.normal, wall_velocity };
+        let same = |known: &Contact| known.normal.dot(&found.normal) > SAME_WALL;
+        match &mut contacts {
+            [Some(first), _] if same(first) => {
+                if distance < first.distance {
+                    *first = found;
+                }
+            }
+            [Some(_), Some(second)] if same(second) => {
+                if distance < second.distance {
+                    *second = found;
+                }
+            }
+            [first @ None, _] => *first = Some(found),
+            [_, second @ None] => *second = Some(found),
+            _ => {}
         }
     }
-    nearest
+    contacts
 }
 
-/// Velocity after contact: a particle does not approach a wall faster than would bring it there
-/// in [`APPROACH_STEPS`] steps, so that none passes through. Away from walls, or where a wall's
-/// condition is met as it should be, this does nothing.
+/// Velocity and displacement (m) after contact: a particle does not approach a wall faster than
+/// would bring it there in [`APPROACH_STEPS`] steps, so that none passes through, and one that has
+/// come too near, or behind it, comes back. Away from walls, or where a wall's condition is met as it should be, this
+/// does nothing.
 pub(crate) fn collide(
-    velocity: Vector2<f64>,
-    contact: Option<Contact>,
+    mut velocity: Vector2<f64>,
+    contacts: [Option<Contact>; 2],
     spacing: f64,
     h: f64,
-) -> Vector2<f64> {
-    let Some(contact) = contact else { return velocity };
-    let approach = contact.wall_velocity - velocity.dot(&contact.normal);
-    let allowed = contact.distance.max(0.0) * spacing / (APPROACH_STEPS * h);
-    velocity + contact.normal * (approach - allowed).max(0.0)
+) -> (Vector2<f64>, Vector2<f64>) {
+    let mut back = Vector2::zeros();
+    for contact in contacts.into_iter().flatten() {
+        let approach = contact.wall_velocity - velocity.dot(&contact.normal);
+        let allowed = contact.distance.max(0.0) * spacing / (APPROACH_STEPS * h);
+        velocity += contact.normal * (approach - allowed).max(0.0);
+        back -= contact.normal * ((contact.distance - NEAREST).min(0.0) * spacing / APPROACH_STEPS);
+    }
+    (velocity, back)
 }
 
 /// Distance to the wall particle's piece if the perpendicular from the centre meets it.
@@ -69,7 +95,50 @@ fn foot(fields: Fields, d: Vector2<f64>, normal: Vector2<f64>, w: u32) -> Option
     let distance = -d.dot(&normal);
     let beside = (d + distance * normal).norm();
     let half_piece = 0.5 * fields.walls.length[w as usize] / fields.spacing;
-    (beside <= half_piece * (1.0 + 1e-9) && distance > DEEPEST).then_some(distance)
+    (beside <= half_piece + OVERHANG && distance > DEEPEST).then_some(distance)
+}
+
+/// Part of the filter's rate for particle `i`: more on the surface, where short waves would grow,
+/// less at walls, where the filter rounds off the flow around corners, which a body feels as
+/// damping and added mass.
+pub(crate) fn filter(fields: Fields, i: usize, rows: &Rows) -> f64 {
+    const ON_SURFACE: f64 = 3.0;
+    const AT_WALLS: f64 = 0.25;
+    if fields.on_surface[i] {
+        ON_SURFACE
+    } else if rows.walls.is_empty() || rows.values.on_surface().contains(&true) {
+        1.0
+    } else {
+        AT_WALLS
+    }
+}
+
+/// Height of the smooth surface over surface particle `i`, in spacings: of the parabola that fits
+/// its neighbours on the surface and, with the weight of the nearest, itself.
+pub(crate) fn surface_roughness(fields: Fields, i: usize, rows: &Rows) -> f64 {
+    let normal = fields.normal[i];
+    let tangent = Vector2::new(normal.y, -normal.x);
+    let mut matrix = Symmetric::<3>::zero();
+    let mut rhs = [0.0; 3];
+    let mut add = |weight: f64, x: f64, height: f64| {
+        let row = [1.0, x, x * x];
+        matrix.add_outer(weight, &row);
+        for (sum, value) in rhs.iter_mut().zip(row) {
+            *sum += weight * value * height;
+        }
+    };
+    add(fit::bell(0.0), 0.0, 0.0);
+    let mut sides = [0; 2];
+    for k in (0..rows.values.len()).filter(|&k| rows.values.on_surface()[k]) {
+        let d = rows.values.offset(k);
+        add(fit::bell(d.norm_squared()), d.dot(&tangent), d.dot(&normal));
+        sides[usize::from(d.dot(&tangent) > 0.0)] += 1;
+    }
+    // At its end the surface is left as it is: a parabola would be carried on from one side.
+    if sides[0] == 0 || sides[1] == 0 || sides[0] + sides[1] < 3 {
+        return 0.0;
+    }
+    matrix.factorize(1e-3).map_or(0.0, |factor| factor.solve(&rhs)[0].clamp(-LONGEST, LONGEST))
 }
 
 /// Shift of particle `i` in spacings.

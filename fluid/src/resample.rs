@@ -14,7 +14,7 @@ use nalgebra::{Point2, Vector2};
 /// A wider gap between two surface particles, in spacings, gets a particle in its middle.
 const WIDEST: f64 = 1.6;
 /// Of two surface particles closer than this, in spacings, one is taken out.
-const NARROWEST: f64 = 0.5;
+const NARROWEST: f64 = 0.6;
 /// A wider gap between the surface's end and a wall, in spacings, gets a particle.
 const WIDEST_AT_WALL: f64 = 1.3;
 /// Distance of the outermost particle from a wall, in spacings, as in a fresh tank.
@@ -47,6 +47,12 @@ impl Fluid {
         taken.clear();
         taken.resize(self.state.particles.len(), false);
         let mut added = Vec::new();
+        for i in 0..self.state.particles.len() {
+            if self.is_lost(i) {
+                taken[i] = true;
+                self.state.lost += 1;
+            }
+        }
         for i in 0..self.state.particles.len() {
             if self.work.on_surface[i] && !taken[i] {
                 self.look_along(i, 1.0, &mut taken, &mut added);

@@ -53,6 +53,12 @@ pub trait InitialFlow {
 
     /// Velocity at a point in the water, m/s.
     fn velocity(&self, point: Point2<f64>) -> Vector2<f64>;
+
+    /// How far from x = 0 the water reaches, m: there it ends in a vertical free face. `None` where
+    /// it fills the length of the tank.
+    fn reach(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// Water at rest under a flat surface.

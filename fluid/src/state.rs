@@ -37,6 +37,8 @@ pub(crate) struct State {
     pub(crate) time: f64,
     pub(crate) step: u64,
     pub(crate) particles: Particles,
+    /// Particles taken out because they were lost.
+    pub(crate) lost: u64,
     /// Identity of the next particle that is added.
     pub(crate) next_identity: u32,
     pub(crate) kinematics: Vec<BoundaryKinematics>,

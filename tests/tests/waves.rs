@@ -56,12 +56,10 @@ fn a_standing_wave_has_the_period_of_linear_theory_and_keeps_its_energy() {
     // To second order in the steepness the period is longer by about (k a)²/8 = 0.05 %. Measured:
     // 0.045 %.
     assert!((found / exact - 1.0).abs() < 0.003, "period {found} s, linear theory {exact} s");
-    // Sums over particles miss 2 % of the kinetic energy at 20 over the depth: the total dips twice
-    // a period, and energies are compared where all of it is potential. Measured: 0.18 % above the
-    // start at most, 0.02 % above it in the last half period, 2.2 % below in the dips.
-    assert!(most < 1.002 * start, "energy rose from {start} to {most} J/m");
+    // Measured: 0.01 % above the start at most, 0.31 % below it at last, 0.39 % at least.
+    assert!(most < 1.0005 * start, "energy rose from {start} to {most} J/m");
     assert!(last > 0.99 * start, "energy fell from {start} to {last} J/m");
-    assert!(least > 0.97 * start, "energy fell from {start} to {least} J/m in between");
+    assert!(least > 0.99 * start, "energy fell from {start} to {least} J/m in between");
     // Measured: 2e-5.
     assert!(volume < 1e-4, "volume changed by {volume}");
 }

@@ -112,6 +112,12 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
     check.number("water.density_kg_m3", water.density_kg_m3, POSITIVE);
     check.number("water.kinematic_viscosity_m2_s", water.kinematic_viscosity_m2_s, NOT_NEGATIVE);
     check.number("water.gravity_m_s2", water.gravity_m_s2, POSITIVE);
+    if let Some(width) = water.width_m {
+        check.number("water.width_m", width, within_tank(tank.length_m));
+        check.require(water.standing_wave.is_none(), "water.width_m", || {
+            "a column of water with a free face cannot have a standing wave too".to_owned()
+        });
+    }
     if let Some(wave) = &water.standing_wave {
         let allowed = Allowed::above(0.0, 0.5 * water.depth_m.max(0.0));
         check.number("water.standing_wave.amplitude_m", wave.amplitude_m, allowed);

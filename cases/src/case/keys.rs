@@ -61,6 +61,10 @@ pub struct WaterKeys {
     /// Gravitational acceleration, m/s².
     #[serde(default = "default_gravity")]
     pub gravity_m_s2: f64,
+    /// How far the water reaches from x = 0 at the start, m: a column with a free face, as behind a
+    /// dam; without it the water fills the length of the tank.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub width_m: Option<f64>,
     /// A standing wave at the start; without it the water is still.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub standing_wave: Option<StandingWaveKeys>,
