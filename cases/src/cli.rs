@@ -31,6 +31,8 @@ pub(crate) enum Command {
         #[arg(long)]
         plan: bool,
     },
+    /// Show what the wave of a case should be, by theory, and how the paddle moves
+    Wave(WaveArguments),
     /// List the cases that come with the program
     List,
 }
@@ -62,6 +64,22 @@ pub(crate) struct RunArguments {
     /// Print nothing but errors
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+/// Which wave, and where it goes.
+#[derive(Debug, Args)]
+pub(crate) struct WaveArguments {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// Time of the profile along the tank, s; without it the end of the run
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) at: Option<f64>,
+    /// Directory for the tables; without it results/CASE-wave, numbered if that is taken
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write into the directory named by --out even if it is not empty
+    #[arg(long, requires = "out")]
+    pub(crate) force: bool,
 }
 
 /// The command that is run where none is given.

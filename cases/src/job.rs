@@ -19,6 +19,12 @@ pub enum JobError {
     /// A component refuses the scene. Nothing has been written.
     #[error("{0}")]
     Setup(SimulationError),
+    /// The fluid has no paddle and no initial flow yet. Nothing has been written.
+    #[error(
+        "waves made by a [wavemaker] or an [initial_wave] cannot be simulated yet; \
+         `seakeep wave` shows what they would be"
+    )]
+    Wave,
     /// The threads cannot be started. Nothing has been written.
     #[error("the threads cannot be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -56,6 +62,9 @@ pub fn run(
     stop: &AtomicBool,
     observe: &mut (dyn FnMut(Progress) + Send),
 ) -> Result<Summary, JobError> {
+    if case.wave.is_some() {
+        return Err(JobError::Wave);
+    }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     pool.install(|| {
         let begun = Instant::now();

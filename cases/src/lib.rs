@@ -14,4 +14,5 @@ pub mod output;
 pub mod plan;
 pub mod scene;
 pub mod simulation;
+pub mod theory;
 pub mod waves;

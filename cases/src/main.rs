@@ -8,12 +8,13 @@ mod progress;
 mod report;
 
 use clap::Parser;
-use cli::{CaseArguments, Cli, Command, RunArguments};
+use cli::{CaseArguments, Cli, Command, RunArguments, WaveArguments};
 use progress::ProgressDisplay;
 use seakeep::case::{Case, library};
 use seakeep::job::{self, JobError};
 use seakeep::output::{directory, summary::Status};
 use seakeep::plan::plan;
+use seakeep::theory;
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
     let result = match command {
         Command::Run(arguments) => run(&arguments),
         Command::Check { case, plan } => check(&case, plan),
+        Command::Wave(arguments) => wave(&arguments),
         Command::List => list(),
     };
     match result {
@@ -97,6 +99,18 @@ fn check(arguments: &CaseArguments, with_plan: bool) -> Result<(), Stop> {
     Ok(())
 }
 
+fn wave(arguments: &WaveArguments) -> Result<(), Stop> {
+    let case = load(&arguments.case)?;
+    let theory = theory::theory(&case, arguments.at).map_err(refused)?;
+    let name = format!("{}-wave", case.name);
+    let out =
+        directory::choose(&name, arguments.out.as_deref(), arguments.force).map_err(refused)?;
+    theory.write(&case, &out).map_err(|error| Stop { message: error.to_string(), code: FAILED })?;
+    say(&report::wave(&case, &theory));
+    say(&format!("tables in {}\n", out.display()));
+    Ok(())
+}
+
 fn list() -> Result<(), Stop> {
     for known in library() {
         let description = Case::load(known.name, &[])
@@ -107,7 +121,11 @@ fn list() -> Result<(), Stop> {
 }
 
 fn load(arguments: &CaseArguments) -> Result<Case, Stop> {
-    Case::load(&arguments.case, &arguments.set).map_err(refused)
+    let case = Case::load(&arguments.case, &arguments.set).map_err(refused)?;
+    for warning in &case.warnings {
+        let _ = writeln!(std::io::stderr(), "warning: {warning}");
+    }
+    Ok(case)
 }
 
 /// Writes to standard output; a reader that has gone away is no error.

@@ -2,6 +2,8 @@
 
 use seakeep::case::Case;
 use seakeep::output::summary::{Finding, Summary};
+use seakeep::theory::Theory;
+use seakeep::waves::WaveTheory;
 use std::fmt::Write;
 
 /// The figures of a run as a short table.
@@ -42,6 +44,36 @@ fn line(finding: &Finding) -> String {
         }
         Some(theory) => format!("{start} {:>12}", number(theory)),
     }
+}
+
+/// The wave of a case in a few lines.
+pub(crate) fn wave(case: &Case, theory: &Theory) -> String {
+    let mut text = String::new();
+    let mut add = |name: &str, value: Option<f64>, unit: &str| {
+        if let Some(value) = value {
+            let _ = writeln!(text, "{name:<28} {:>12} {unit}", number(value));
+        }
+    };
+    let wave = theory.wave.as_deref();
+    let celerity = wave.and_then(WaveTheory::celerity);
+    let wavelength = wave.and_then(WaveTheory::wavelength);
+    let extreme =
+        |pick: fn(f64, f64) -> f64| theory.profile.iter().map(|row| row.elevation_m).reduce(pick);
+    add("celerity", celerity, "m/s");
+    add("wavelength", wavelength, "m");
+    add(
+        "particles in a wavelength",
+        wavelength.map(|length| length / case.keys.numerics.particle_spacing_m),
+        "",
+    );
+    add("highest in the profile", extreme(f64::max), "m");
+    add("lowest in the profile", extreme(f64::min), "m");
+    if let Some(maker) = &theory.wavemaker {
+        let (low, high) = maker.motion().range(case.keys.end_time_s);
+        add("paddle, furthest back", Some(low), "m");
+        add("paddle, furthest forward", Some(high), "m");
+    }
+    text
 }
 
 /// Five significant digits, without an exponent where that is shorter.

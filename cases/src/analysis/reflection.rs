@@ -198,7 +198,7 @@ mod tests {
         let form = SpectrumForm::Jonswap { peak_enhancement: 3.3 };
         let spectrum = Spectrum::new(form, 0.04, 1.4, 2.5).unwrap();
         let sea = irregular_sea(WATER, &spectrum, 300, 3).unwrap();
-        let times: Vec<f64> = (0..16_384).map(|i| f64::from(i) * 0.03).collect();
+        let times: Vec<f64> = (0..8192).map(|i| f64::from(i) * 0.03).collect();
         let record = |x: f64| -> Vec<f64> {
             let value = |t: f64| {
                 sea.components()

@@ -1,6 +1,7 @@
 //! Range checks: every number of a case on its own.
 
 use super::source::Source;
+use super::wave_checks::check_wave_values;
 use super::{BodyKeys, CaseKeys, Problem};
 use std::collections::HashSet;
 use std::fmt;
@@ -142,6 +143,7 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
     check.number("end_time_s", keys.end_time_s, allowed);
     check.number("output.series_interval_s", keys.output.series_interval_s, NOT_NEGATIVE);
     check.number("output.frame_interval_s", keys.output.frame_interval_s, NOT_NEGATIVE);
+    check_wave_values(&mut check, keys);
     for (index, body) in keys.body.iter().enumerate() {
         check_body(&mut check, &format!("body[{index}]"), body);
     }

@@ -2,6 +2,7 @@
 //!
 //! Every key, its unit, default and range is described in `docs/cases.md`.
 
+use super::wave_keys::{InitialWaveKeys, WaveKeys, WavemakerKeys};
 use serde::{Deserialize, Serialize};
 
 /// A case file.
@@ -19,6 +20,15 @@ pub struct CaseKeys {
     pub water: WaterKeys,
     /// Resolution and solver.
     pub numerics: NumericsKeys,
+    /// The wave.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wave: Option<WaveKeys>,
+    /// A paddle that makes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavemaker: Option<WavemakerKeys>,
+    /// The wave is in the tank at the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial_wave: Option<InitialWaveKeys>,
     /// What is written.
     #[serde(default)]
     pub output: OutputKeys,

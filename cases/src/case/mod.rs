@@ -10,14 +10,22 @@ mod keys;
 mod library;
 mod resolve;
 mod source;
+mod wave_checks;
+mod wave_keys;
+mod wave_plan;
 
 pub use keys::{
     BodyKeys, BoxKeys, CaseKeys, DampingZoneKeys, Direction, GaugeKeys, NumericsKeys, OutputKeys,
     ProbeKeys, StandingWaveKeys, TableName, TankKeys, WaterKeys,
 };
 pub use library::{LibraryCase, library};
+pub use wave_keys::{
+    AbsorptionKeys, BoardKind, InitialWaveKeys, WaveKeys, WaveKind, WavemakerKeys,
+};
 
 use crate::scene::Scene;
+use crate::waves::StillWater;
+use crate::waves::plan::WavePlan;
 use source::Source;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -32,6 +40,10 @@ pub struct Case {
     pub keys: CaseKeys,
     /// What the components are asked for.
     pub scene: Scene,
+    /// The wave, and what makes it.
+    pub wave: Option<WavePlan>,
+    /// What can be run but may not be what was meant, a line each.
+    pub warnings: Vec<String>,
 }
 
 /// One thing wrong with a case.
@@ -112,18 +124,35 @@ impl Case {
         text: &str,
         overrides: &[String],
     ) -> Result<Self, CaseError> {
-        let (keys, source) = Source::read(label, text, overrides)
+        let (mut keys, source) = Source::read(label, text, overrides)
             .map_err(|problem| CaseError::Invalid(vec![problem]))?;
+        if let Some(wave) = &mut keys.wave {
+            let folder = Path::new(label).parent().unwrap_or(Path::new(""));
+            wave_plan::read_motion(wave, folder).map_err(|message| {
+                CaseError::Invalid(vec![source.problem("wave.file", message)])
+            })?;
+        }
         let mut problems = checks::check_values(&keys, &source);
         if problems.is_empty() {
             problems = geometry_checks::check_geometry(&keys, &source);
         }
+        let keys = resolve::resolve(keys);
+        if problems.is_empty() {
+            problems = wave_checks::check_wave_fits(&keys, &source);
+        }
         if !problems.is_empty() {
             return Err(CaseError::Invalid(problems));
         }
-        let keys = resolve::resolve(keys);
         let scene = Scene::new(&keys);
-        Ok(Self { name: name.to_owned(), keys, scene })
+        let wave = wave_plan::wave_plan(&keys);
+        let warnings = wave_checks::warnings(&keys);
+        Ok(Self { name: name.to_owned(), keys, scene, wave, warnings })
+    }
+
+    /// The water at rest, as the theory of waves has it.
+    #[must_use]
+    pub fn still_water(&self) -> StillWater {
+        wave_plan::still_water(&self.keys)
     }
 
     /// The resolved case as the text of a case file.

@@ -1,6 +1,6 @@
 //! Filling in the defaults that follow from other keys.
 
-use super::{BodyKeys, CaseKeys};
+use super::{BodyKeys, CaseKeys, wave_plan};
 use crate::geometry;
 use nalgebra::Point2;
 
@@ -16,6 +16,7 @@ pub(super) fn default_time_step(particle_spacing: f64) -> f64 {
 pub(super) fn resolve(mut keys: CaseKeys) -> CaseKeys {
     let spacing = keys.numerics.particle_spacing_m;
     keys.numerics.time_step_s.get_or_insert(default_time_step(spacing));
+    wave_plan::resolve(&mut keys);
     keys.body = keys.body.into_iter().map(resolve_body).collect();
     keys
 }

@@ -15,7 +15,7 @@ pub const RESOLVED_CASE: &str = "resolved.toml";
 pub const MARK: &str = "# seakeep: the case as it was run";
 
 /// Everything that a run may write.
-const FILES: [&str; 11] = [
+const FILES: [&str; 15] = [
     "motion.csv",
     "loads.csv",
     "mooring.csv",
@@ -26,6 +26,10 @@ const FILES: [&str; 11] = [
     "run.mcap",
     "motion.svg",
     "elevation.svg",
+    "wave_gauges.csv",
+    "wave_profile.csv",
+    "wave_velocity.csv",
+    "paddle.csv",
     RESOLVED_CASE,
 ];
 

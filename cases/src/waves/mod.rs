@@ -9,6 +9,7 @@ pub mod focused;
 pub mod irregular;
 pub mod linear;
 pub mod paddle;
+pub mod plan;
 mod quadrature;
 pub mod solitary;
 mod solitary_exact;

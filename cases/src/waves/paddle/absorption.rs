@@ -1,30 +1,47 @@
 //! Active absorption: a paddle that gives way to waves that come back to it.
 //!
-//! A long wave that runs towards the paddle with elevation η has the velocity −√(g/D) η. A paddle
-//! that adds this to its motion lets it pass. Shallow-water form (Schäffer & Klopman 2000, their
-//! simplest): dX/dt = √(g/D) (η_target − η_measured). A slow return keeps the paddle near its rest
-//! position.
+//! A long wave that runs towards the paddle with elevation η has the velocity −√(g/D) η; a paddle
+//! that adds this to its motion lets it pass. Shallow-water form (Schäffer & Klopman 2000):
+//! dX/dt = √(g/D) (η_target − η_measured) − X/τ, whose last term returns the paddle to rest. The
+//! velocity approaches this over a short time, so that the correction has no jump but in its
+//! acceleration.
 
 use super::StrokeMotion;
 use crate::waves::{StillWater, WaveError, require_positive};
 use serde::{Deserialize, Serialize};
 
+/// Time over which the velocity follows the elevation, in √(D/g).
+const RESPONSE: f64 = 0.05;
+
 /// The correction of a paddle's stroke.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActiveAbsorption {
     /// √(g/D), 1/s.
     gain: f64,
-    /// Time in which the correction falls by e, s.
+    /// Time τ in which the correction falls by e, s.
     return_time: f64,
 }
 
-/// What the correction has come to.
+/// What the correction has come to, and its acceleration from then on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AbsorptionState {
-    /// Displacement, m.
-    pub displacement: f64,
-    /// Velocity over the last step, m/s.
-    pub velocity: f64,
+    time: f64,
+    displacement: f64,
+    velocity: f64,
+    acceleration: f64,
+}
+
+impl AbsorptionState {
+    /// The correction at `time` (s).
+    #[must_use]
+    pub fn at(&self, time: f64) -> StrokeMotion {
+        let (s, a) = (time - self.time, self.acceleration);
+        StrokeMotion {
+            displacement: self.displacement + s * (self.velocity + 0.5 * s * a),
+            velocity: self.velocity + s * a,
+            acceleration: a,
+        }
+    }
 }
 
 impl ActiveAbsorption {
@@ -39,25 +56,25 @@ impl ActiveAbsorption {
         Ok(Self { gain: (water.gravity / water.depth).sqrt(), return_time })
     }
 
-    /// The state `step` (s) after `state`, with the elevation at the paddle as the wave has it,
-    /// `target`, and as it is, `measured` (m); and the motion to be added to the stroke. Nothing
-    /// measured (a paddle out of the water) means no correction but the return.
+    /// How the correction goes on from `time` (s) over a step of `duration` (s), with `excess` the
+    /// measured elevation at the paddle less that of the wave to be made, m.
     #[must_use]
     pub fn advance(
         &self,
         state: AbsorptionState,
-        step: f64,
-        target: f64,
-        measured: Option<f64>,
-    ) -> (AbsorptionState, StrokeMotion) {
-        let wanted = self.gain * (target - measured.unwrap_or(target));
-        let displacement = (state.displacement + step * wanted) / (1.0 + step / self.return_time);
-        let velocity = (displacement - state.displacement) / step;
-        let acceleration = (velocity - state.velocity) / step;
-        (
-            AbsorptionState { displacement, velocity },
-            StrokeMotion { displacement, velocity, acceleration },
-        )
+        time: f64,
+        duration: f64,
+        excess: f64,
+    ) -> AbsorptionState {
+        let now = state.at(time);
+        let wanted = -self.gain * excess - now.displacement / self.return_time;
+        let response = (RESPONSE / self.gain).max(duration);
+        AbsorptionState {
+            time,
+            displacement: now.displacement,
+            velocity: now.velocity,
+            acceleration: (wanted - now.velocity) / response,
+        }
     }
 }
 
@@ -69,28 +86,32 @@ mod tests {
 
     #[test]
     fn a_long_wave_that_comes_back_finds_an_open_end() {
-        // The paddle's velocity is the wave's own, −√(g/D) η.
+        // The paddle's velocity is the wave's own, −√(g/D) η, 0.05 √(D/g) later.
         let absorption = ActiveAbsorption::new(WATER, 1e9).unwrap();
         let (mut state, dt) = (AbsorptionState::default(), 1e-3);
-        let elevation = |t: f64| 0.02 * (0.5 * t).sin();
-        for n in 1..4000 {
+        let excess = |t: f64| 0.02 * (0.5 * t).sin();
+        for n in 0..8000 {
             let time = f64::from(n) * dt;
-            let (next, motion) = absorption.advance(state, dt, 0.01, Some(0.01 + elevation(time)));
-            let exact = -(9.81f64 / 0.4).sqrt() * elevation(time);
-            assert!((motion.velocity - exact).abs() < 1e-6);
-            assert!((motion.displacement - next.displacement).abs() < 1e-15);
-            state = next;
+            let before = state.at(time);
+            state = absorption.advance(state, time, dt, excess(time));
+            assert_eq!(before.displacement, state.at(time).displacement);
+            assert_eq!(before.velocity, state.at(time).velocity);
+            let (gain, delay) = ((9.81f64 / 0.4).sqrt(), 0.05 * (0.4f64 / 9.81).sqrt());
+            let exact = -gain * excess(time - delay);
+            if time > 0.2 {
+                assert!((before.velocity - exact).abs() < 5e-5, "t = {time}");
+            }
         }
     }
 
     #[test]
     fn returns_to_rest() {
         let absorption = ActiveAbsorption::new(WATER, 2.0).unwrap();
-        let mut state = AbsorptionState { displacement: 0.1, velocity: 0.0 };
-        for _ in 0..2000 {
-            state = absorption.advance(state, 1e-3, 0.0, None).0;
+        let mut state = AbsorptionState { displacement: 0.1, ..AbsorptionState::default() };
+        for n in 0..2000 {
+            state = absorption.advance(state, f64::from(n) * 1e-3, 1e-3, 0.0);
         }
-        assert!((state.displacement - 0.1 * (-1f64).exp()).abs() < 1e-4);
+        assert!((state.at(2.0).displacement - 0.1 * (-1f64).exp()).abs() < 5e-4);
         assert!(ActiveAbsorption::new(WATER, 0.0).is_err());
     }
 }

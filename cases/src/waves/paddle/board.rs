@@ -7,6 +7,10 @@ use crate::waves::{StillWater, WaveError, require};
 use nalgebra::{Point2, Vector2};
 use seakeep_coupler::interface::BoundaryKinematics;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Evanescent modes that are summed; their amplitudes fall with the third power of the number.
+const EVANESCENT_MODES: usize = 100;
 
 /// The board of a paddle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,21 +94,60 @@ impl Board {
         kd.tanh() * along / norm
     }
 
-    /// Kinematics of the board as a rigid body, for a paddle whose rest position is x = `x` (m).
-    /// The reference point is the foot of a piston and the hinge of a flap.
-    #[must_use]
-    pub fn kinematics(
+    /// The evanescent modes of a small motion of angular frequency `frequency` (rad/s): decay rate
+    /// k_j (1/m), k_j tan k_j D = −ω²/g, and amplitude over that of the stroke. Their elevation is
+    /// in phase with the stroke: with X sin ωt it is Σ e_j X sin ωt exp(−k_j x).
+    fn evanescent_modes(
         &self,
         water: StillWater,
-        x: f64,
-        stroke: StrokeMotion,
-    ) -> BoundaryKinematics {
+        frequency: f64,
+    ) -> impl Iterator<Item = (f64, f64)> {
+        let (depth, board) = (water.depth, *self);
+        let deep = frequency * frequency * depth / water.gravity;
+        (1..=EVANESCENT_MODES).map(move |j| {
+            // x tan x = −deep has one root between (j − 1/2) π and j π.
+            let (mut low, mut high) = ((j as f64 - 0.5) * PI, j as f64 * PI);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                let positive = middle * middle.sin() + deep * middle.cos() > 0.0;
+                if positive == (j % 2 == 1) {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let x = 0.5 * (low + high);
+            let k = x / depth;
+            let along = match board {
+                Self::Piston => x.sin() / k,
+                Self::Flap { hinge } => {
+                    let foot = board.foot();
+                    let at = |y: f64| (y - hinge) * (k * y).sin() / k + (k * y).cos() / (k * k);
+                    (at(depth) - at(foot)) / (depth - hinge)
+                }
+            };
+            let norm = 0.5 * depth + (2.0 * x).sin() / (4.0 * k);
+            (k, -frequency * frequency / water.gravity * x.cos() * along / (k * norm))
+        })
+    }
+
+    /// Elevation at the board, in phase with the stroke and over its amplitude, that stays with
+    /// the board: the evanescent waves of a small motion of angular `frequency` (rad/s).
+    #[must_use]
+    pub fn near_field(&self, water: StillWater, frequency: f64) -> f64 {
+        self.evanescent_modes(water, frequency).map(|(_, amplitude)| amplitude).sum()
+    }
+
+    /// Kinematics of the board as a rigid body that stands upright at x = 0 when at rest. The
+    /// reference point is the foot of a piston and the hinge of a flap.
+    #[must_use]
+    pub fn kinematics(&self, water: StillWater, stroke: StrokeMotion) -> BoundaryKinematics {
         let StrokeMotion { displacement, velocity, acceleration } = stroke;
         match self {
             Self::Piston => BoundaryKinematics {
                 velocity: Vector2::new(velocity, 0.0),
                 acceleration: Vector2::new(acceleration, 0.0),
-                ..BoundaryKinematics::at_rest(Point2::new(x + displacement, 0.0), 0.0)
+                ..BoundaryKinematics::at_rest(Point2::new(displacement, 0.0), 0.0)
             },
             Self::Flap { hinge } => {
                 // tan(−angle) = X / arm: forward is clockwise.
@@ -116,7 +159,7 @@ impl Board {
                 BoundaryKinematics {
                     angular_velocity: -rate,
                     angular_acceleration: -growth,
-                    ..BoundaryKinematics::at_rest(Point2::new(x, *hinge), -tan.atan())
+                    ..BoundaryKinematics::at_rest(Point2::new(0.0, *hinge), -tan.atan())
                 }
             }
         }
@@ -163,6 +206,26 @@ mod tests {
     }
 
     #[test]
+    fn progressive_and_evanescent_waves_together_conserve_mass() {
+        // The volume that the board pushes is that of the waves: ∫ shape dy = T/k + Σ e_j/k_j.
+        let boards = [
+            (Board::Piston, 0.4),
+            (Board::Flap { hinge: 0.0 }, 0.2),
+            (Board::Flap { hinge: -0.4 }, 0.3),
+            (Board::Flap { hinge: 0.2 }, 0.1),
+        ];
+        for (board, area) in boards {
+            for period in [0.6, 1.2, 3.0] {
+                let frequency = std::f64::consts::TAU / period;
+                let k = WATER.wave_number(frequency);
+                let near: f64 = board.evanescent_modes(WATER, frequency).map(|(k, e)| e / k).sum();
+                let volume = board.transfer(WATER, k) / k + near;
+                assert!((volume / area - 1.0).abs() < 1e-5, "{board:?}, T = {period}: {volume}");
+            }
+        }
+    }
+
+    #[test]
     fn flap_is_where_its_stroke_says_it_is() {
         let board = Board::Flap { hinge: -0.1 };
         let stroke = |t: f64| StrokeMotion {
@@ -170,15 +233,15 @@ mod tests {
             velocity: 0.1 * t.cos(),
             acceleration: -0.1 * t.sin(),
         };
-        let at = |t: f64| board.kinematics(WATER, 0.3, stroke(t));
+        let at = |t: f64| board.kinematics(WATER, stroke(t));
         let (now, h) = (at(0.7), 1e-4);
         let (before, after) = (at(0.7 - h), at(0.7 + h));
         let rate = (after.angle - before.angle) / (2.0 * h);
         let growth = (after.angular_velocity - before.angular_velocity) / (2.0 * h);
         assert!((now.angular_velocity - rate).abs() < 1e-8);
         assert!((now.angular_acceleration - growth).abs() < 1e-8);
-        // The board's line, which is upright at rest, crosses the still-water level at x + X.
-        let crossing = 0.3 - 0.5 * now.angle.tan();
-        assert!((crossing - 0.3 - 0.1 * 0.7f64.sin()).abs() < 1e-14);
+        // The board's line, which is upright at rest, crosses the still-water level at X.
+        let crossing = -0.5 * now.angle.tan();
+        assert!((crossing - 0.1 * 0.7f64.sin()).abs() < 1e-14);
     }
 }

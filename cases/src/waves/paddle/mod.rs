@@ -10,8 +10,10 @@ mod board;
 mod motion;
 mod projection;
 mod stroke;
+mod wavemaker;
 
 pub use absorption::{AbsorptionState, ActiveAbsorption};
 pub use board::Board;
 pub use motion::PaddleMotion;
 pub use stroke::StrokeMotion;
+pub use wavemaker::Wavemaker;

@@ -42,10 +42,9 @@ impl PaddleMotion {
         ramp: f64,
     ) -> Result<Self, WaveError> {
         board.validate(water)?;
-        let terms = waves.components().iter().map(|wave| Harmonic {
-            amplitude: wave.amplitude / board.transfer(water, wave.wave_number),
-            frequency: wave.frequency,
-            phase: -wave.phase,
+        let terms = waves.components().iter().map(|wave| {
+            let amplitude = wave.amplitude / board.transfer(water, wave.wave_number);
+            Harmonic::new(board, water, amplitude, wave.frequency, -wave.phase)
         });
         Self::new(water, board, ramp, Stroke::Harmonics(terms.collect()))
     }
@@ -74,13 +73,10 @@ impl PaddleMotion {
         let kd = number * water.depth;
         let transfer = board.transfer(water, number);
         let bound = 3.0 * kd.cosh() / kd.sinh().powi(3);
+        let correction = height * height / (32.0 * water.depth) * (bound - 2.0 / transfer);
         let terms = vec![
-            Harmonic { amplitude: 0.5 * height / transfer, frequency, phase: 0.0 },
-            Harmonic {
-                amplitude: height * height / (32.0 * water.depth) * (bound - 2.0 / transfer),
-                frequency: 2.0 * frequency,
-                phase: 0.0,
-            },
+            Harmonic::new(board, water, 0.5 * height / transfer, frequency, 0.0),
+            Harmonic::new(board, water, correction, 2.0 * frequency, 0.0),
         ];
         Self::new(water, board, ramp, Stroke::Harmonics(terms))
     }
@@ -177,11 +173,23 @@ impl PaddleMotion {
         self.ramp.apply(time, self.stroke.at(time))
     }
 
-    /// Kinematics of the board at `time` (s) with the `correction` of an active absorption added,
-    /// for a paddle at rest at x = `x` (m).
+    /// Elevation of the evanescent waves at the board at `time` (s), by linear theory, m; none is
+    /// known for solitary waves, which have hardly any, and for series.
     #[must_use]
-    pub fn kinematics(&self, time: f64, x: f64, correction: StrokeMotion) -> BoundaryKinematics {
-        self.board.kinematics(self.water, x, self.stroke(time) + correction)
+    pub fn near_field(&self, time: f64) -> f64 {
+        self.ramp.at(time)[0] * self.stroke.near_field(time)
+    }
+
+    /// The part of the wave that is made at `time` (s), 0 to 1.
+    #[must_use]
+    pub fn ramp(&self, time: f64) -> f64 {
+        self.ramp.at(time)[0]
+    }
+
+    /// Kinematics of the board at `time` (s), with the `correction` of an active absorption added.
+    #[must_use]
+    pub fn kinematics(&self, time: f64, correction: StrokeMotion) -> BoundaryKinematics {
+        self.board.kinematics(self.water, self.stroke(time) + correction)
     }
 
     /// Lowest and highest displacement from the start to `end` (s), m, sampled at 1000 instants.
@@ -318,7 +326,7 @@ mod tests {
         let angles: Vec<f64> = times.iter().map(|t| 0.1 * (3.0 * t).sin()).collect();
         let flap = Board::Flap { hinge: -0.1 };
         let motion = PaddleMotion::series(WATER, flap, times.clone(), angles, 0.0).unwrap();
-        let found = motion.kinematics(0.777, 0.2, StrokeMotion::default());
+        let found = motion.kinematics(0.777, StrokeMotion::default());
         assert!((found.angle - 0.1 * 2.331f64.sin()).abs() < 1e-7);
         assert!((found.position.y + 0.1).abs() < 1e-15);
         assert_smooth(&motion, 1.9);

@@ -73,7 +73,7 @@ pub(super) fn projected_stroke(
                     let frequency = (j + 1) as f64 * frequency;
                     // Ẋ = cos·cos ωt + sin·sin ωt, so X = A sin(ωt + φ).
                     let (amplitude, phase) = (cos.hypot(*sin) / frequency, (-sin).atan2(*cos));
-                    Harmonic { amplitude, frequency, phase }
+                    Harmonic::new(board, water, amplitude, frequency, phase)
                 })
                 .collect());
         }

@@ -1,7 +1,8 @@
 //! The stroke of a paddle as a function of time, and the ramp that starts it.
 
-use crate::waves::WaveError;
+use super::Board;
 use crate::waves::spline::Spline;
+use crate::waves::{StillWater, WaveError};
 
 /// Displacement at the still-water level, and its rates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,6 +35,31 @@ pub(super) struct Harmonic {
     pub(super) frequency: f64,
     /// Phase φ, rad.
     pub(super) phase: f64,
+    /// Elevation of the evanescent waves at the board over its displacement.
+    near_field: f64,
+}
+
+impl Harmonic {
+    pub(super) fn new(
+        board: Board,
+        water: StillWater,
+        amplitude: f64,
+        frequency: f64,
+        phase: f64,
+    ) -> Self {
+        let near_field = board.near_field(water, frequency);
+        Self { amplitude, frequency, phase, near_field }
+    }
+
+    fn at(&self, time: f64) -> StrokeMotion {
+        let w = self.frequency;
+        let (sin, cos) = (w * time + self.phase).sin_cos();
+        StrokeMotion {
+            displacement: self.amplitude * sin,
+            velocity: self.amplitude * w * cos,
+            acceleration: -self.amplitude * w * w * sin,
+        }
+    }
 }
 
 /// A stroke before its ramp.
@@ -48,20 +74,24 @@ impl Stroke {
         match self {
             Self::Harmonics(terms) => terms
                 .iter()
-                .map(|term| {
-                    let w = term.frequency;
-                    let (sin, cos) = (w * time + term.phase).sin_cos();
-                    StrokeMotion {
-                        displacement: term.amplitude * sin,
-                        velocity: term.amplitude * w * cos,
-                        acceleration: -term.amplitude * w * w * sin,
-                    }
-                })
+                .map(|term| term.at(time))
                 .fold(StrokeMotion::default(), |sum, motion| sum + motion),
             Self::Series(spline) => {
                 let [displacement, velocity, acceleration] = spline.at(time);
                 StrokeMotion { displacement, velocity, acceleration }
             }
+        }
+    }
+}
+
+impl Stroke {
+    /// Elevation of the evanescent waves at the board, m; none is known for a series.
+    pub(super) fn near_field(&self, time: f64) -> f64 {
+        match self {
+            Self::Harmonics(terms) => {
+                terms.iter().map(|term| term.near_field * term.at(time).displacement).sum()
+            }
+            Self::Series(_) => 0.0,
         }
     }
 }
