@@ -4,14 +4,27 @@ use crate::{BodyError, BodyProperties};
 use nalgebra::DMatrix;
 use seakeep_coupler::interface::BoundaryKinematics;
 
-/// Writes the accelerations of all bodies for their kinematics.
-pub type AccelerationOf<'a> =
-    dyn FnMut(&[BoundaryKinematics], &mut [f64]) -> Result<(), BodyError> + 'a;
+/// What accelerates a set of rigid bodies: the loads on them, over their masses with added mass.
+///
+/// Accelerations are laid out as `[x (m/s²), y (m/s²), angle (rad/s²)]` a body.
+pub trait Forcing {
+    /// Writes the accelerations of all bodies at `time` (s) for their kinematics.
+    ///
+    /// # Errors
+    /// A load that is not finite, or masses that cannot be solved for.
+    fn accelerations(
+        &mut self,
+        time: f64,
+        kinematics: &[BoundaryKinematics],
+        accelerations: &mut [f64],
+    ) -> Result<(), BodyError>;
+
+    /// Whether they depend on velocities.
+    fn depends_on_velocity(&self) -> bool;
+}
 
 /// Moves one set of rigid bodies. It knows inertia, constraints and contacts; loads reach it as
 /// accelerations only, because with added mass only the caller can turn one into the other.
-///
-/// Accelerations are laid out as `[x (m/s²), y (m/s²), angle (rad/s²)]` a body.
 pub trait RigidBodyEngine: Send {
     /// Name, such as `rapier2d`.
     fn name(&self) -> &'static str;
@@ -25,7 +38,7 @@ pub trait RigidBodyEngine: Send {
     /// Mass matrix M, square with three rows a body: kg/m, kg, kg m²/m.
     fn mass_matrix(&self) -> &DMatrix<f64>;
 
-    /// Kinematics of every body; the acceleration is the one of the last kick.
+    /// Kinematics of every body; the acceleration is the mean over the last step.
     fn kinematics(&self) -> &[BoundaryKinematics];
 
     /// Sets the kinematics of every body.
@@ -41,19 +54,17 @@ pub trait RigidBodyEngine: Send {
     /// [`BodyError::UnknownBody`].
     fn steer(&mut self, body: usize, kinematics: &BoundaryKinematics) -> Result<(), BodyError>;
 
-    /// Moves every body for `duration` (s) without load: r ← r + V `duration`. Contacts and
-    /// joints of the engine act here.
+    /// Moves every body from `time` (s) for `duration` (s) as `forcing` asks it to. Contacts and
+    /// joints of the engine act here too.
     ///
     /// # Errors
-    /// When a body leaves the range of finite numbers.
-    fn drift(&mut self, duration: f64) -> Result<(), BodyError>;
-
-    /// Changes the velocities by constant `accelerations` over `duration` (s): V ← V + a
-    /// `duration`.
-    ///
-    /// # Errors
-    /// [`BodyError::Length`].
-    fn kick(&mut self, accelerations: &[f64], duration: f64) -> Result<(), BodyError>;
+    /// Those of `forcing`, or when a body leaves the range of finite numbers.
+    fn advance(
+        &mut self,
+        time: f64,
+        duration: f64,
+        forcing: &mut dyn Forcing,
+    ) -> Result<(), BodyError>;
 
     /// The whole state; [`restore`](Self::restore) with it repeats a step to the bit.
     ///
@@ -66,23 +77,6 @@ pub trait RigidBodyEngine: Send {
     /// # Errors
     /// When it is not such a state. The engine is then unchanged.
     fn restore(&mut self, state: &[u8]) -> Result<(), BodyError>;
-
-    /// One drift-kick-drift step of `duration` (s). `accelerate` is called once, with the
-    /// kinematics at the midpoint, and writes the accelerations.
-    ///
-    /// # Errors
-    /// Those of `accelerate`, [`drift`](Self::drift) and [`kick`](Self::kick).
-    fn advance(
-        &mut self,
-        duration: f64,
-        accelerations: &mut [f64],
-        accelerate: &mut AccelerationOf<'_>,
-    ) -> Result<(), BodyError> {
-        self.drift(0.5 * duration)?;
-        accelerate(self.kinematics(), accelerations)?;
-        self.kick(accelerations, duration)?;
-        self.drift(0.5 * duration)
-    }
 }
 
 /// The mass matrix of bodies that nothing joins.
@@ -106,7 +100,7 @@ pub(crate) fn check_length(
     if actual == expected { Ok(()) } else { Err(BodyError::Length { quantity, actual, expected }) }
 }
 
-/// V ← V + a `duration`, with the acceleration noted.
+/// V ← V + a `duration` (s), with the acceleration noted.
 pub(crate) fn kicked(
     body: &BoundaryKinematics,
     acceleration: &[f64],

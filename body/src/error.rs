@@ -49,6 +49,16 @@ pub enum BodyError {
         /// How many bodies there are.
         count: usize,
     },
+    /// A property of a mooring line outside its range.
+    #[error("{property} = {value}, must be {allowed}")]
+    Line {
+        /// The property with its unit.
+        property: &'static str,
+        /// Its value.
+        value: f64,
+        /// The allowed range, in words.
+        allowed: &'static str,
+    },
     /// A prescribed motion that cannot be followed.
     #[error("motion: {reason}")]
     Motion {

@@ -5,12 +5,14 @@
 //! [`RigidBodyEngine`]: [`RapierEngine`] (rapier2d, the default) or [`NewtonEulerEngine`]. A body
 //! can also follow a [`PrescribedMotion`], whatever the loads on it.
 //!
-//! Time scheme of a step of length h, second order and symplectic for loads that derive from a
-//! potential, and the same midpoint as the fluid's:
+//! Time scheme of a step of length h with rapier2d, second order and symplectic for loads that
+//! derive from a potential, and the same midpoint as the fluid's:
 //!
 //! 1. drift: r ← r + V h/2;
 //! 2. kick: (M + A) a = F₀ + F_own(r), V ← V + a h;
 //! 3. drift: r ← r + V h/2.
+//!
+//! The other engine is of fourth order. Either may take several substeps in a step.
 //!
 //! ```
 //! use nalgebra::Point2;
@@ -33,8 +35,10 @@
 //! Frame: x along the waves, y up, angles counter-clockwise; SI; per metre of width.
 
 mod balance;
+mod contact;
 mod engine;
 mod error;
+mod mooring;
 mod newton_euler;
 mod own_load;
 mod prescribed;
@@ -44,8 +48,12 @@ mod rigid_bodies;
 mod spline;
 mod variables;
 
-pub use engine::{AccelerationOf, RigidBodyEngine};
+pub use contact::Contacts;
+pub use engine::{Forcing, RigidBodyEngine};
 pub use error::BodyError;
+pub use mooring::{
+    Catenary, LineLaw, LineState, MooringLine, Spring, UnknownTension, static_tensions,
+};
 pub use newton_euler::NewtonEulerEngine;
 pub use own_load::{LinearSpring, OwnLoad};
 pub use prescribed::{Harmonic, Oscillation, PrescribedMotion, TimeSeries};

@@ -1,13 +1,21 @@
 //! The smallest engine: Newton's and Euler's equations of free bodies, without contacts.
+//!
+//! The classical Runge-Kutta method of fourth order (Kutta 1901), for any load. On an oscillator
+//! of angular frequency ω it takes (ω h)⁶/144 of the amplitude in a step h, 4e-7 a cycle at 63
+//! steps a cycle.
 
 use crate::engine::{check_length, entry, free_mass_matrix, kicked};
-use crate::{BodyError, BodyProperties, RigidBodyEngine};
-use nalgebra::DMatrix;
+use crate::{BodyError, BodyProperties, Forcing, RigidBodyEngine};
+use nalgebra::{DMatrix, Vector2};
 use seakeep_coupler::interface::BoundaryKinematics;
 
 const NAME: &str = "newton_euler";
 
-/// Free bodies without contacts or joints. Its drift is exact, the angle's too.
+/// Time of each stage and weight of its slopes, over the step.
+const STAGES: [(f64, f64); 4] =
+    [(0.0, 1.0 / 6.0), (0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)];
+
+/// Free bodies without contacts or joints, moved with fourth order.
 #[derive(Clone, Debug)]
 pub struct NewtonEulerEngine {
     mass_matrix: DMatrix<f64>,
@@ -26,6 +34,28 @@ impl Default for NewtonEulerEngine {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// Writes where the bodies of `start` are after `duration` (s) at these velocities and
+/// accelerations.
+fn move_all(
+    start: &[BoundaryKinematics],
+    velocities: &[f64],
+    accelerations: &[f64],
+    duration: f64,
+    end: &mut [BoundaryKinematics],
+) {
+    for (((end, start), velocity), acceleration) in
+        end.iter_mut().zip(start).zip(velocities.chunks_exact(3)).zip(accelerations.chunks_exact(3))
+    {
+        *end = kicked(start, acceleration, duration);
+        end.position += Vector2::new(velocity[0], velocity[1]) * duration;
+        end.angle += velocity[2] * duration;
+    }
+}
+
+fn add(sum: &mut [f64], values: &[f64], weight: f64) {
+    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
 }
 
 impl RigidBodyEngine for NewtonEulerEngine {
@@ -58,18 +88,30 @@ impl RigidBodyEngine for NewtonEulerEngine {
         Ok(())
     }
 
-    fn drift(&mut self, duration: f64) -> Result<(), BodyError> {
-        for body in &mut self.kinematics {
-            *body = body.drifted(duration);
+    fn advance(
+        &mut self,
+        time: f64,
+        duration: f64,
+        forcing: &mut dyn Forcing,
+    ) -> Result<(), BodyError> {
+        let size = 3 * self.kinematics.len();
+        let mut stage = self.kinematics.clone();
+        let (mut velocities, mut accelerations) = (vec![0.0; size], vec![0.0; size]);
+        let (mut mean_velocities, mut mean_accelerations) = (vec![0.0; size], vec![0.0; size]);
+        for (offset, weight) in STAGES {
+            let offset = offset * duration;
+            // From the start with the slopes of the last stage.
+            move_all(&self.kinematics, &velocities, &accelerations, offset, &mut stage);
+            for (slopes, body) in velocities.chunks_exact_mut(3).zip(&stage) {
+                let (velocity, rate) = (body.velocity, body.angular_velocity);
+                slopes.copy_from_slice(&[velocity.x, velocity.y, rate]);
+            }
+            forcing.accelerations(time + offset, &stage, &mut accelerations)?;
+            add(&mut mean_velocities, &velocities, weight);
+            add(&mut mean_accelerations, &accelerations, weight);
         }
-        Ok(())
-    }
-
-    fn kick(&mut self, accelerations: &[f64], duration: f64) -> Result<(), BodyError> {
-        check_length("accelerations", accelerations.len(), 3 * self.kinematics.len())?;
-        for (body, acceleration) in self.kinematics.iter_mut().zip(accelerations.chunks_exact(3)) {
-            *body = kicked(body, acceleration, duration);
-        }
+        move_all(&self.kinematics, &mean_velocities, &mean_accelerations, duration, &mut stage);
+        self.kinematics = stage;
         Ok(())
     }
 

@@ -4,16 +4,17 @@ use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 use seakeep_coupler::interface::{BoundaryKinematics, Load};
 use serde::{Deserialize, Serialize};
 
-/// A load on one body from its kinematics, evaluated at the midpoint of each of the body's own
-/// substeps and never held over a step: a stiff restoring load that is held adds energy.
+/// A load on one body from its kinematics, evaluated within each of the body's own substeps,
+/// wherever the engine asks for it, and never held over a step: a stiff restoring load that is
+/// held adds energy.
 ///
 /// Any closure `Fn(time, &kinematics) -> Load` is one.
 pub trait OwnLoad: Send {
     /// Load about the centre of mass at `time` (s).
     fn load(&self, time: f64, kinematics: &BoundaryKinematics) -> Load;
 
-    /// Whether the load depends on the velocity. If so it is evaluated a second time with the
-    /// velocity at the midpoint, which keeps the step second order.
+    /// Whether the load depends on the velocity. If so rapier2d's step evaluates it a second time
+    /// with the velocity at the midpoint, which keeps the step second order.
     fn depends_on_velocity(&self) -> bool {
         true
     }

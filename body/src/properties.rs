@@ -51,6 +51,9 @@ pub struct BodyProperties {
     pub equilibrium: Point2<f64>,
     /// The free degrees of freedom.
     pub free: FreeDegrees,
+    /// Corners of a simple polygon relative to the centre of mass at angle 0, counter-clockwise,
+    /// m: what touches other bodies and the tank. Empty for a body that touches nothing.
+    pub outline: Vec<Vector2<f64>>,
 }
 
 impl BodyProperties {
@@ -68,6 +71,7 @@ impl BodyProperties {
             angular_velocity: 0.0,
             equilibrium: position,
             free: FreeDegrees::ALL,
+            outline: Vec::new(),
         }
     }
 
@@ -115,6 +119,13 @@ impl BodyProperties {
         ] {
             if !value.is_finite() {
                 return refused(property, value, "finite");
+            }
+        }
+        for corner in &self.outline {
+            for value in [corner.x, corner.y] {
+                if !value.is_finite() {
+                    return refused("corner of the outline (m)", value, "finite");
+                }
             }
         }
         let velocities = [self.velocity.x, self.velocity.y, self.angular_velocity];

@@ -2,7 +2,7 @@
 //!
 //! rapier2d is a game engine, told here to be a plain integrator: no world gravity, no sleeping,
 //! no substeps of its continuous collision detection, no speed limits. It does the drifts, where
-//! later its contacts and joints act. The kicks change velocities from outside, since with added
+//! its contacts act, as hard as the solver makes them. The kicks change velocities from outside, since with added
 //! mass only the coupled system knows the acceleration; so rapier never integrates a load, and
 //! the amplitude that its solver iterations add to a swinging body under `add_force` (measured:
 //! 1 % a cycle with its default of four) cannot arise. One iteration is the cheapest.
@@ -11,11 +11,11 @@
 //! of second order over a run and leaves the scheme symplectic.
 
 use crate::engine::{check_length, entry, free_mass_matrix, kicked};
-use crate::{BodyError, BodyProperties, FreeDegrees, RigidBodyEngine};
+use crate::{BodyError, BodyProperties, Contacts, Forcing, FreeDegrees, RigidBodyEngine};
 use nalgebra::{DMatrix, Point2, Vector2};
 use rapier2d_f64::prelude::{
     IntegrationParameters, LockedAxes, MassProperties, PhysicsWorld, Pose, RigidBody,
-    RigidBodyBuilder, RigidBodyHandle, RigidBodyType, Vector,
+    RigidBodyBuilder, RigidBodyHandle, RigidBodyType, SpringCoefficients, Vector,
 };
 use seakeep_coupler::interface::BoundaryKinematics;
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,7 @@ const NAME: &str = "rapier2d";
 
 /// Bodies moved by rapier2d.
 pub struct RapierEngine {
+    contacts: Contacts,
     world: PhysicsWorld,
     handles: Vec<RigidBodyHandle>,
     /// rapier knows angles modulo 2π only, and accelerations not at all: both are kept here.
@@ -50,15 +51,61 @@ struct SavedWorld {
 }
 
 impl RapierEngine {
-    /// An engine without bodies.
+    /// An engine without bodies and tank, whose bodies touch without restitution and friction.
     #[must_use]
     pub fn new() -> Self {
+        Self::with_contacts(Contacts::default())
+    }
+
+    /// An engine without bodies, whose bodies touch each other and the tank like this.
+    #[must_use]
+    pub fn with_contacts(contacts: Contacts) -> Self {
         Self {
+            contacts,
             world: empty_world(),
             handles: Vec::new(),
             kinematics: Vec::new(),
             rotates: Vec::new(),
             mass_matrix: DMatrix::zeros(0, 0),
+        }
+    }
+
+    /// r ← r + V `duration` (s), with contacts.
+    fn drift(&mut self, duration: f64) -> Result<(), BodyError> {
+        self.world.integration_parameters.dt = duration;
+        self.world.step();
+        // rapier disables a body whose pose or velocity overflows, and says so here only.
+        if !self.world.quarantine().is_empty() {
+            return Err(BodyError::Engine {
+                engine: NAME,
+                reason: "a body left the range of finite numbers".to_owned(),
+            });
+        }
+        for ((known, handle), rotates) in
+            self.kinematics.iter_mut().zip(&self.handles).zip(&self.rotates)
+        {
+            let body = &self.world.bodies[*handle];
+            let (position, velocity) = (body.translation(), body.linvel());
+            known.position = Point2::new(position.x, position.y);
+            known.velocity = Vector2::new(velocity.x, velocity.y);
+            known.angular_velocity = body.angvel();
+            // A held angle keeps its bits: rapier normalises its rotations in every step.
+            if *rotates {
+                let expected = known.angle + known.angular_velocity * duration;
+                let angle = body.rotation().angle();
+                known.angle = angle + TAU * ((expected - angle) / TAU).round();
+            }
+        }
+        Ok(())
+    }
+
+    /// V ← V + a `duration` (s).
+    fn kick(&mut self, accelerations: &[f64], duration: f64) {
+        for ((known, handle), acceleration) in
+            self.kinematics.iter_mut().zip(&self.handles).zip(accelerations.chunks_exact(3))
+        {
+            *known = kicked(known, acceleration, duration);
+            set_velocity(&mut self.world.bodies[*handle], known);
         }
     }
 }
@@ -69,6 +116,15 @@ impl Default for RapierEngine {
     }
 }
 
+/// Contacts without compliance, whose overlap is taken back at once.
+const HARD: SpringCoefficients<f64> =
+    SpringCoefficients { natural_frequency: 1e6, damping_ratio: 1.0 };
+
+/// Distance at which a contact begins, m. A collision is new only in the step in which the bodies
+/// come this near, and only a new one has a restitution: it must be less than they move in a step.
+/// Bodies at rest on each other stay within it.
+const NEAR: f64 = 1e-5;
+
 /// A world that only integrates: see the module's text for each setting.
 fn empty_world() -> PhysicsWorld {
     PhysicsWorld {
@@ -76,6 +132,12 @@ fn empty_world() -> PhysicsWorld {
         integration_parameters: IntegrationParameters {
             num_solver_iterations: 1,
             max_ccd_substeps: 0,
+            num_internal_pgs_iterations: 10,
+            contact_softness: HARD,
+            static_contact_softness: HARD,
+            contact_recycling: false,
+            normalized_prediction_distance: NEAR,
+            friction_in_bias_pass: true,
             normalized_max_linear_velocity: f64::MAX,
             ..IntegrationParameters::default()
         },
@@ -122,7 +184,23 @@ impl RigidBodyEngine for RapierEngine {
 
     fn set_bodies(&mut self, bodies: &[BodyProperties]) -> Result<(), BodyError> {
         let mut world = empty_world();
-        self.handles = bodies.iter().map(|body| world.insert_body(rapier_body(body))).collect();
+        for plane in self.contacts.tank() {
+            world.insert_collider(plane, None);
+        }
+        let mut handles = Vec::with_capacity(bodies.len());
+        for body in bodies {
+            let handle = world.insert_body(rapier_body(body));
+            handles.push(handle);
+            if body.outline.is_empty() {
+                continue;
+            }
+            let collider = self.contacts.body(&body.outline).ok_or(BodyError::Engine {
+                engine: NAME,
+                reason: format!("the outline of {} is no simple polygon", body.name),
+            })?;
+            world.insert_collider(collider, Some(handle));
+        }
+        self.handles = handles;
         self.world = world;
         self.kinematics = bodies.iter().map(BodyProperties::kinematics).collect();
         self.rotates = bodies.iter().map(|body| body.free.roll).collect();
@@ -157,43 +235,28 @@ impl RigidBodyEngine for RapierEngine {
         Ok(())
     }
 
-    fn drift(&mut self, duration: f64) -> Result<(), BodyError> {
-        self.world.integration_parameters.dt = duration;
-        self.world.step();
-        // rapier disables a body whose pose or velocity overflows, and says so here only.
-        if !self.world.quarantine().is_empty() {
-            return Err(BodyError::Engine {
-                engine: NAME,
-                reason: "a body left the range of finite numbers".to_owned(),
-            });
+    fn advance(
+        &mut self,
+        time: f64,
+        duration: f64,
+        forcing: &mut dyn Forcing,
+    ) -> Result<(), BodyError> {
+        let middle = time + 0.5 * duration;
+        let mut accelerations = vec![0.0; 3 * self.kinematics.len()];
+        self.drift(0.5 * duration)?;
+        forcing.accelerations(middle, &self.kinematics, &mut accelerations)?;
+        if forcing.depends_on_velocity() {
+            // The velocity so far is the one at the step's start.
+            let predicted: Vec<_> = self
+                .kinematics
+                .iter()
+                .zip(accelerations.chunks_exact(3))
+                .map(|(body, acceleration)| kicked(body, acceleration, 0.5 * duration))
+                .collect();
+            forcing.accelerations(middle, &predicted, &mut accelerations)?;
         }
-        for ((known, handle), rotates) in
-            self.kinematics.iter_mut().zip(&self.handles).zip(&self.rotates)
-        {
-            let body = &self.world.bodies[*handle];
-            let (position, velocity) = (body.translation(), body.linvel());
-            known.position = Point2::new(position.x, position.y);
-            known.velocity = Vector2::new(velocity.x, velocity.y);
-            known.angular_velocity = body.angvel();
-            // A held angle keeps its bits: rapier normalises its rotations in every step.
-            if *rotates {
-                let expected = known.angle + known.angular_velocity * duration;
-                let angle = body.rotation().angle();
-                known.angle = angle + TAU * ((expected - angle) / TAU).round();
-            }
-        }
-        Ok(())
-    }
-
-    fn kick(&mut self, accelerations: &[f64], duration: f64) -> Result<(), BodyError> {
-        check_length("accelerations", accelerations.len(), 3 * self.kinematics.len())?;
-        for ((known, handle), acceleration) in
-            self.kinematics.iter_mut().zip(&self.handles).zip(accelerations.chunks_exact(3))
-        {
-            *known = kicked(known, acceleration, duration);
-            set_velocity(&mut self.world.bodies[*handle], known);
-        }
-        Ok(())
+        self.kick(&accelerations, duration);
+        self.drift(0.5 * duration)
     }
 
     fn save(&self) -> Result<Vec<u8>, BodyError> {

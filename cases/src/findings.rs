@@ -34,7 +34,7 @@ pub(crate) fn findings(
         if body.is_held() && scene.is_still() {
             buoyancy(scene, samples, index, &mut found);
         }
-        if !body.is_held() {
+        if body.is_free() {
             body_motion(body, samples, index, &mut found);
             if let Some(matrix) = added_mass {
                 body_added_mass(body, matrix, index, &mut found);

@@ -10,6 +10,7 @@ pub mod case;
 mod findings;
 pub mod geometry;
 pub mod job;
+pub mod motion_file;
 pub mod output;
 pub mod plan;
 pub mod scene;

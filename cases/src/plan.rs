@@ -1,7 +1,7 @@
 //! The plan of a case: every stage, kept or left out, with the reason.
 
 use crate::case::{Case, TableName};
-use crate::scene::{Scene, has_rows};
+use crate::scene::{Body, Scene, has_rows};
 use crate::simulation::fluid_stages;
 use std::fmt;
 
@@ -65,7 +65,6 @@ pub fn plan(case: &Case) -> Vec<PlanLine> {
 
 fn body_stages(scene: &Scene) -> Vec<PlanLine> {
     let names: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
-    let named = |mark: &str| format!("{mark}{}", names.join(", "));
     let line = |stage: &str, kept: bool, yes: String, no: &str| PlanLine {
         group: "body",
         stage: stage.to_owned(),
@@ -73,12 +72,21 @@ fn body_stages(scene: &Scene) -> Vec<PlanLine> {
         reason: if kept { yes } else { no.to_owned() },
     };
     let none = scene.bodies.is_empty();
-    let motion = if none { "no body in the case" } else { "every body is held" };
+    let no_motion = if none { "no body in the case" } else { "every body is held" };
+    let moving: Vec<String> = scene.bodies.iter().filter_map(moved_by).collect();
     vec![
-        line("rigid bodies", !none, named(""), "no body in the case"),
-        line("motion", scene.has_free_body(), named("free: "), motion),
+        line("rigid bodies", !none, names.join(", "), "no body in the case"),
+        line("motion", !moving.is_empty(), moving.join(", "), no_motion),
         line("moorings", false, String::new(), "no mooring in the case"),
     ]
+}
+
+/// What moves a body, in words.
+fn moved_by(body: &Body) -> Option<String> {
+    match body.motion {
+        Some(_) => Some(format!("prescribed: {}", body.name)),
+        None => body.is_free().then(|| format!("free: {}", body.name)),
+    }
 }
 
 fn table_line(case: &Case, table: TableName) -> PlanLine {

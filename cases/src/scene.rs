@@ -1,7 +1,9 @@
 //! A case in the terms of the components: what is simulated, measured and written.
 
-use crate::case::{BodyKeys, CaseKeys, Direction, TableName};
+use crate::case::{BodyKeys, CaseKeys, Direction, EngineName, TableName};
 use nalgebra::{Point2, Vector2};
+use seakeep_body::{BodyError, Contacts, Harmonic, PrescribedMotion, TimeSeries};
+use seakeep_coupler::interface::BoundaryKinematics;
 use seakeep_fluid::setup::{
     DampingZone, FluidSetup, InitialFlow, Numerics, RigidBoundary, Tank, Water,
 };
@@ -16,6 +18,10 @@ pub struct Scene {
     pub initial_water: InitialWater,
     /// The bodies, in the order of the fluid's boundaries.
     pub bodies: Vec<Body>,
+    /// What moves the bodies that are not prescribed.
+    pub engine: EngineName,
+    /// How bodies touch each other and the tank.
+    pub contacts: Contacts,
     /// Wave gauges.
     pub gauges: Vec<Gauge>,
     /// Pressure probes.
@@ -81,6 +87,8 @@ pub struct Body {
     pub inertia: f64,
     /// Whether it moves in sway, heave and roll.
     pub free: [bool; 3],
+    /// What it follows if its motion is prescribed.
+    pub motion: Option<Motion>,
     /// What sway and heave are relative to, m.
     pub equilibrium: Point2<f64>,
 }
@@ -89,7 +97,44 @@ impl Body {
     /// Whether it does not move at all.
     #[must_use]
     pub fn is_held(&self) -> bool {
-        self.free == [false; 3]
+        self.free == [false; 3] && self.motion.is_none()
+    }
+
+    /// Whether loads move it.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.free != [false; 3] && self.motion.is_none()
+    }
+}
+
+/// A motion that a body follows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    /// A record.
+    Series(TimeSeries),
+    /// A formula.
+    Harmonic(Harmonic),
+}
+
+impl Motion {
+    /// Kinematics at `time` (s).
+    ///
+    /// # Errors
+    /// When the motion does not cover the time.
+    pub fn kinematics(&self, time: f64) -> Result<BoundaryKinematics, BodyError> {
+        match self {
+            Self::Series(series) => series.kinematics(time),
+            Self::Harmonic(harmonic) => harmonic.kinematics(time),
+        }
+    }
+
+    /// The motion for a body to follow.
+    #[must_use]
+    pub fn boxed(&self) -> Box<dyn PrescribedMotion> {
+        match self {
+            Self::Series(series) => Box::new(series.clone()),
+            Self::Harmonic(harmonic) => Box::new(*harmonic),
+        }
     }
 }
 
@@ -127,8 +172,9 @@ pub struct OutputPlan {
 }
 
 impl Scene {
-    /// The scene of resolved keys that have passed the checks.
-    pub(crate) fn new(keys: &CaseKeys) -> Self {
+    /// The scene of resolved keys that have passed the checks, with the motion of each body that
+    /// is prescribed.
+    pub(crate) fn new(keys: &CaseKeys, motions: Vec<Option<Motion>>) -> Self {
         let time_step = keys.numerics.time_step_s.unwrap_or_default();
         let fluid = FluidSetup {
             tank: Tank { length: keys.tank.length_m, height: keys.tank.height_m, paddle: None },
@@ -174,7 +220,13 @@ impl Scene {
         Self {
             fluid,
             initial_water,
-            bodies: keys.body.iter().map(body).collect(),
+            bodies: keys.body.iter().zip(motions).map(|(keys, m)| body(keys, m)).collect(),
+            engine: engine(keys),
+            contacts: Contacts {
+                restitution: keys.contact.restitution,
+                friction: keys.contact.friction,
+                tank_length: Some(keys.tank.length_m),
+            },
             gauges,
             probes,
             // A hair below the exact ratio, so that rounding does not add a step.
@@ -195,16 +247,16 @@ impl Scene {
         self.fluid.water.depth
     }
 
-    /// Whether any body moves.
+    /// Whether loads move any body.
     #[must_use]
     pub fn has_free_body(&self) -> bool {
-        self.bodies.iter().any(|body| !body.is_held())
+        self.bodies.iter().any(Body::is_free)
     }
 
     /// Whether nothing moves at the start and nothing will.
     #[must_use]
     pub fn is_still(&self) -> bool {
-        !self.has_free_body() && self.initial_water == InitialWater::Still
+        self.bodies.iter().all(Body::is_held) && self.initial_water == InitialWater::Still
     }
 }
 
@@ -241,16 +293,24 @@ fn boundary(keys: &BodyKeys) -> RigidBoundary {
         corners: corners.map(|[x, y]| Vector2::new(*x, *y)).collect(),
         position: Point2::from(keys.position_m),
         angle: keys.angle_deg.to_radians(),
-        free: !keys.free.is_empty(),
+        free: !keys.free.is_empty() && keys.engine != EngineName::Prescribed,
     }
 }
 
-fn body(keys: &BodyKeys) -> Body {
+/// The engine of the first body that needs one; the checks see to it that the others agree.
+fn engine(keys: &CaseKeys) -> EngineName {
+    let engines = keys.body.iter().map(|body| body.engine);
+    engines.into_iter().find(|engine| *engine != EngineName::Prescribed).unwrap_or_default()
+}
+
+fn body(keys: &BodyKeys, motion: Option<Motion>) -> Body {
     let free = |direction| keys.free.contains(&direction);
     Body {
         name: keys.name.clone(),
-        mass: keys.mass_kg_m.unwrap_or_default(),
-        inertia: keys.inertia_kg_m2_m.unwrap_or_default(),
+        // Only a prescribed body may have no mass, and it does not matter there.
+        mass: keys.mass_kg_m.unwrap_or(1.0),
+        inertia: keys.inertia_kg_m2_m.unwrap_or(1.0),
+        motion,
         free: [free(Direction::Sway), free(Direction::Heave), free(Direction::Roll)],
         equilibrium: Point2::from(keys.equilibrium_m.unwrap_or(keys.position_m)),
     }

@@ -1,9 +1,13 @@
 //! The components of a run and what is read off them: the only place that drives them.
 
+use crate::case::EngineName;
 use crate::output::rows::DiagnosticsRow;
 use crate::scene::Scene;
 use nalgebra::{DMatrix, Point2};
-use seakeep_body::{BodyError, BodyProperties, FreeDegrees, RapierEngine, RigidBodies};
+use seakeep_body::{
+    BodyError, BodyProperties, FreeDegrees, NewtonEulerEngine, RapierEngine, RigidBodies,
+    RigidBodyEngine,
+};
 use seakeep_coupler::interface::{BoundaryKinematics, Load, LoadComponent, MotionComponent};
 use seakeep_coupler::{CouplerError, FixedStepMaster};
 use seakeep_fluid::{Fluid, FluidError, ParticleCounts, Plan};
@@ -64,10 +68,7 @@ impl Simulation {
         let mut fluid = Fluid::flowing(scene.fluid.clone(), &scene.initial_water)?;
         let mut bodies = match scene.bodies.as_slice() {
             [] => None,
-            _ => {
-                let engine = Box::new(RapierEngine::new());
-                Some(RigidBodies::new(properties(scene), scene.fluid.water.gravity, engine)?)
-            }
+            _ => Some(rigid_bodies(scene)?),
         };
         let motion = bodies.as_mut().map(|bodies| bodies as &mut dyn MotionComponent);
         let master = FixedStepMaster::start(0.0, scene.time_step(), &mut fluid, motion)?;
@@ -169,6 +170,22 @@ pub fn fluid_stages(scene: &Scene) -> Vec<(String, bool, String)> {
     entries.into_iter().map(|e| (e.stage.to_string(), e.kept, e.reason.to_owned())).collect()
 }
 
+fn rigid_bodies(scene: &Scene) -> Result<RigidBodies, BodyError> {
+    let engine: Box<dyn RigidBodyEngine> = match scene.engine {
+        EngineName::NewtonEuler => Box::new(NewtonEulerEngine::new()),
+        EngineName::Rapier | EngineName::Prescribed => {
+            Box::new(RapierEngine::with_contacts(scene.contacts))
+        }
+    };
+    let mut bodies = RigidBodies::new(properties(scene), scene.fluid.water.gravity, engine)?;
+    for (index, body) in scene.bodies.iter().enumerate() {
+        if let Some(motion) = &body.motion {
+            bodies.prescribe(index, motion.boxed())?;
+        }
+    }
+    Ok(bodies)
+}
+
 fn properties(scene: &Scene) -> Vec<BodyProperties> {
     let bodies = scene.bodies.iter().zip(&scene.fluid.boundaries);
     bodies
@@ -177,6 +194,7 @@ fn properties(scene: &Scene) -> Vec<BodyProperties> {
             BodyProperties {
                 angle: boundary.angle,
                 equilibrium: body.equilibrium,
+                outline: boundary.corners.clone(),
                 free: FreeDegrees { sway, heave, roll },
                 ..BodyProperties::new(&body.name, body.mass, body.inertia, boundary.position)
             }

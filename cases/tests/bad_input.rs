@@ -115,12 +115,24 @@ fn a_shape_or_a_mass_given_twice_or_not_at_all() {
     refused(&text, &[], &[&["body[0].mass_kg_m", "given once"]]);
     let crossed = "corners_m = [[-0.05, -0.05], [0.05, 0.05], [0.05, -0.05], [-0.05, 0.05]]";
     refused(&SMALL.replace(shape, crossed), &[], &[&["body[0].corners_m", "must not meet itself"]]);
-    let lopsided = "corners_m = [[0, -0.05], [0.1, -0.05], [0.1, 0.05], [0, 0.05]]";
+    let centre = ["--set", "body.centre_of_mass_m=[0, -0.01]"];
+    refused(SMALL, &centre, &[&["body[0].centre_of_mass_m", "at its centroid"]]);
+}
+
+#[test]
+fn a_mass_of_zero_and_engines_that_do_not_fit() {
+    let text = SMALL.replace("density_kg_m3 = 500.0", "mass_kg_m = 0\ninertia_kg_m2_m = 0.1");
+    refused(&text, &[], &[&["body[0].mass_kg_m", "0 must be above 0"]]);
     refused(
-        &SMALL.replace(shape, lopsided),
-        &[],
-        &[&["body[0].corners_m", "(0.050000, 0.000000)"]],
+        SMALL,
+        &["--set", "body.engine=\"chrono\""],
+        &[&["body[0].engine", "unknown variant `chrono`"]],
     );
+    let second = "\n[[body]]\nname = \"other\"\nengine = \"newton_euler\"\n\
+                  box = { width_m = 0.05, height_m = 0.1 }\n\
+                  position_m = [0.7, 0.2]\ndensity_kg_m3 = 500\n";
+    refused(&format!("{SMALL}{second}"), &[], &[&["body[1].engine", "share one engine"]]);
+    refused(SMALL, &["--set", "contact.restitution=2"], &[&["contact.restitution", "2 must be"]]);
 }
 
 #[test]

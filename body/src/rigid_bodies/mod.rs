@@ -5,7 +5,7 @@ mod prescription;
 
 use crate::balance::Balance;
 use crate::properties::validate_all;
-use crate::{BodyError, BodyProperties, OwnLoad, RigidBodyEngine, variables};
+use crate::{BodyError, BodyProperties, Forcing, OwnLoad, RigidBodyEngine, variables};
 use nalgebra::DMatrix;
 use prescription::Prescription;
 use seakeep_coupler::interface::{BoundaryKinematics, Description, Load, LoadResponse};
@@ -179,43 +179,14 @@ impl RigidBodies {
         }
         let Self { engine, own_loads, prescriptions, bodies, motion, .. } = self;
         let balance = Balance::new(engine.mass_matrix(), &motion.response.added_mass, &self.free)?;
-        let mut loads = vec![0.0; held.len()];
-        let mut accelerations = vec![0.0; held.len()];
-        let mut predicted = Vec::new();
-        let twice = own_loads.iter().any(|(_, load)| load.depends_on_velocity());
+        let mut loads = Loads { held: &held, sum: held.clone(), own_loads, bodies, balance };
         let substep = duration / self.substeps as f64;
-
         for number in 0..self.substeps {
             let start = time + number as f64 * substep;
-            let midpoint = start + 0.5 * substep;
             for known in prescriptions.iter() {
                 engine.steer(known.body, &known.chord(start, substep)?)?;
             }
-            let mut solve = |kinematics: &[BoundaryKinematics], accelerations: &mut [f64]| {
-                loads.copy_from_slice(&held);
-                for (body, own) in own_loads.iter() {
-                    let load = own.load(midpoint, &kinematics[*body]);
-                    let values = [load.force.x, load.force.y, load.torque];
-                    check_finite(&bodies[*body], "own load", &values)?;
-                    add(&mut loads[3 * body..3 * body + 3], &load);
-                }
-                balance.solve(&loads, accelerations)
-            };
-            engine.advance(substep, &mut accelerations, &mut |kinematics, accelerations| {
-                solve(kinematics, accelerations)?;
-                if twice {
-                    // The velocity so far is the one at the substep's start.
-                    predicted.clear();
-                    predicted.extend(
-                        kinematics
-                            .iter()
-                            .zip(accelerations.chunks_exact(3))
-                            .map(|(body, a)| crate::engine::kicked(body, a, 0.5 * substep)),
-                    );
-                    solve(&predicted, accelerations)?;
-                }
-                Ok(())
-            })?;
+            engine.advance(start, substep, &mut loads)?;
         }
         for known in prescriptions.iter_mut() {
             known.motion.advance(time, duration)?;
@@ -245,6 +216,39 @@ impl RigidBodies {
         motion.steps += 1;
         motion.last_step = duration;
         self.note_prescribed()
+    }
+}
+
+/// All loads on the bodies over a step.
+struct Loads<'a> {
+    /// Those held over the step, three values a body.
+    held: &'a [f64],
+    /// Room for all of them.
+    sum: Vec<f64>,
+    own_loads: &'a [(usize, Box<dyn OwnLoad>)],
+    bodies: &'a [BodyProperties],
+    balance: Balance,
+}
+
+impl Forcing for Loads<'_> {
+    fn accelerations(
+        &mut self,
+        time: f64,
+        kinematics: &[BoundaryKinematics],
+        accelerations: &mut [f64],
+    ) -> Result<(), BodyError> {
+        self.sum.copy_from_slice(self.held);
+        for (body, own) in self.own_loads {
+            let load = own.load(time, &kinematics[*body]);
+            let values = [load.force.x, load.force.y, load.torque];
+            check_finite(&self.bodies[*body], "own load", &values)?;
+            add(&mut self.sum[3 * body..3 * body + 3], &load);
+        }
+        self.balance.solve(&self.sum, accelerations)
+    }
+
+    fn depends_on_velocity(&self) -> bool {
+        self.own_loads.iter().any(|(_, load)| load.depends_on_velocity())
     }
 }
 

@@ -1,8 +1,9 @@
 //! Range checks: every number of a case on its own.
 
+use super::body_checks::check_bodies;
 use super::source::Source;
 use super::wave_checks::check_wave_values;
-use super::{BodyKeys, CaseKeys, Problem};
+use super::{CaseKeys, Problem};
 use std::collections::HashSet;
 use std::fmt;
 
@@ -52,9 +53,9 @@ fn rounded(limit: f64) -> f64 {
     format!("{limit:.3e}").parse().unwrap_or(limit)
 }
 
-const POSITIVE: Allowed = Allowed::above(0.0, f64::INFINITY);
-const NOT_NEGATIVE: Allowed = Allowed::from(0.0, f64::INFINITY);
-const FINITE: Allowed = Allowed::from(f64::NEG_INFINITY, f64::INFINITY);
+pub(super) const POSITIVE: Allowed = Allowed::above(0.0, f64::INFINITY);
+pub(super) const NOT_NEGATIVE: Allowed = Allowed::from(0.0, f64::INFINITY);
+pub(super) const FINITE: Allowed = Allowed::from(f64::NEG_INFINITY, f64::INFINITY);
 
 /// Collects problems.
 pub(super) struct Checker<'a> {
@@ -79,14 +80,14 @@ impl<'a> Checker<'a> {
         self.require(allowed.holds(value), key, || format!("{value} must be {allowed}"));
     }
 
-    fn numbers(&mut self, key: &str, values: &[f64], allowed: Allowed) {
+    pub(super) fn numbers(&mut self, key: &str, values: &[f64], allowed: Allowed) {
         for (index, value) in values.iter().enumerate() {
             self.number(&format!("{key}[{index}]"), *value, allowed);
         }
     }
 
     /// Names become table cells and topics.
-    fn names<'n>(&mut self, list: &str, names: impl Iterator<Item = &'n str>) {
+    pub(super) fn names<'n>(&mut self, list: &str, names: impl Iterator<Item = &'n str>) {
         let mut seen = HashSet::new();
         for (index, name) in names.enumerate() {
             let key = format!("{list}[{index}].name");
@@ -144,10 +145,7 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
     check.number("output.series_interval_s", keys.output.series_interval_s, NOT_NEGATIVE);
     check.number("output.frame_interval_s", keys.output.frame_interval_s, NOT_NEGATIVE);
     check_wave_values(&mut check, keys);
-    for (index, body) in keys.body.iter().enumerate() {
-        check_body(&mut check, &format!("body[{index}]"), body);
-    }
-    check.names("body", keys.body.iter().map(|body| body.name.as_str()));
+    check_bodies(&mut check, keys);
     check.names("gauge", keys.gauge.iter().map(|gauge| gauge.name.as_str()));
     check.names("probe", keys.probe.iter().map(|probe| probe.name.as_str()));
     for (index, gauge) in keys.gauge.iter().enumerate() {
@@ -169,55 +167,4 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
         });
     }
     check.problems
-}
-
-fn check_body(check: &mut Checker<'_>, prefix: &str, body: &BodyKeys) {
-    let key = |name: &str| format!("{prefix}.{name}");
-    check.numbers(&key("position_m"), &body.position_m, FINITE);
-    if let Some(equilibrium) = &body.equilibrium_m {
-        check.numbers(&key("equilibrium_m"), equilibrium, FINITE);
-    }
-    check.number(&key("angle_deg"), body.angle_deg, Allowed::from(-360.0, 360.0));
-    check.require(
-        body.rectangle.is_some() != body.corners_m.is_some(),
-        &key(if body.corners_m.is_some() { "corners_m" } else { "box" }),
-        || "the shape must be given once: either box or corners_m".to_owned(),
-    );
-    if let Some(rectangle) = &body.rectangle {
-        check.number(&key("box.width_m"), rectangle.width_m, POSITIVE);
-        check.number(&key("box.height_m"), rectangle.height_m, POSITIVE);
-        check.numbers(&key("box.centre_of_mass_m"), &rectangle.centre_of_mass_m, FINITE);
-    }
-    if let Some(corners) = &body.corners_m {
-        check.require(corners.len() >= 3, &key("corners_m"), || {
-            format!("{} corners, there must be at least 3", corners.len())
-        });
-        for (index, corner) in corners.iter().enumerate() {
-            check.numbers(&format!("{prefix}.corners_m[{index}]"), corner, FINITE);
-        }
-    }
-    let optional = [
-        ("mass_kg_m", body.mass_kg_m),
-        ("inertia_kg_m2_m", body.inertia_kg_m2_m),
-        ("density_kg_m3", body.density_kg_m3),
-    ];
-    for (name, value) in optional {
-        if let Some(value) = value {
-            check.number(&key(name), value, POSITIVE);
-        }
-    }
-    let (mass, inertia) = (body.mass_kg_m.is_some(), body.inertia_kg_m2_m.is_some());
-    let once = match body.density_kg_m3 {
-        Some(_) => !mass && !inertia,
-        None => mass && inertia,
-    };
-    let at = if body.density_kg_m3.is_some() { "density_kg_m3" } else { "mass_kg_m" };
-    check.require(once, &key(at), || {
-        "the mass must be given once: either mass_kg_m and inertia_kg_m2_m, or density_kg_m3"
-            .to_owned()
-    });
-    let distinct: HashSet<_> = body.free.iter().map(|d| format!("{d:?}")).collect();
-    check.require(distinct.len() == body.free.len(), &key("free"), || {
-        "a direction is named twice".to_owned()
-    });
 }

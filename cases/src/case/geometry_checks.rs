@@ -39,18 +39,6 @@ pub(super) fn check_geometry(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
         if !simple {
             continue;
         }
-        let integrals = area_integrals(corners);
-        if body.density_kg_m3.is_some() {
-            let centre = integrals.centroid;
-            let close = centre.coords.norm() <= 1e-6 * integrals.area.sqrt();
-            check.require(close, &shape, || {
-                format!(
-                    "with a uniform density the centre of mass is ({:.6}, {:.6}) m: the shape \
-                     must be given relative to it",
-                    centre.x, centre.y
-                )
-            });
-        }
         let rotation = Rotation2::new(body.angle_deg.to_radians());
         let position = Point2::from(body.position_m);
         let outline: Vec<_> = corners.iter().map(|c| position + rotation * c.coords).collect();

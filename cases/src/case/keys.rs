@@ -3,6 +3,7 @@
 //! Every key, its unit, default and range is described in `docs/cases.md`.
 
 use super::wave_keys::{InitialWaveKeys, WaveKeys, WavemakerKeys};
+use super::body_keys::{BodyKeys, ContactKeys};
 use serde::{Deserialize, Serialize};
 
 /// A case file.
@@ -32,6 +33,9 @@ pub struct CaseKeys {
     /// What is written.
     #[serde(default)]
     pub output: OutputKeys,
+    /// Contact of bodies with each other and with the tank.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub contact: ContactKeys,
     /// Rigid bodies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub body: Vec<BodyKeys>,
@@ -171,65 +175,6 @@ impl TableName {
     }
 }
 
-/// `[[body]]`
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-pub struct BodyKeys {
-    /// Name in the tables.
-    #[serde(default = "default_body_name")]
-    pub name: String,
-    /// Shape: a rectangle. Either this or `corners_m`.
-    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
-    pub rectangle: Option<BoxKeys>,
-    /// Shape: corners of a simple polygon relative to the centre of mass at angle 0, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub corners_m: Option<Vec<[f64; 2]>>,
-    /// Centre of mass at the start, m.
-    pub position_m: [f64; 2],
-    /// Position that sway and heave in `motion.csv` are relative to, m; `position_m` if absent.
-    pub equilibrium_m: Option<[f64; 2]>,
-    /// Angle at the start, degrees, counter-clockwise.
-    #[serde(default)]
-    pub angle_deg: f64,
-    /// Mass, kg/m. Either this and the inertia, or the density.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mass_kg_m: Option<f64>,
-    /// Moment of inertia about the centre of mass, kg m²/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub inertia_kg_m2_m: Option<f64>,
-    /// Uniform density that mass and inertia follow from, kg/m³.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub density_kg_m3: Option<f64>,
-    /// Directions in which it moves; none for a held body.
-    #[serde(default = "all_directions")]
-    pub free: Vec<Direction>,
-}
-
-/// `[body.box]`
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-pub struct BoxKeys {
-    /// Width (along x at angle 0), m.
-    pub width_m: f64,
-    /// Height (along y at angle 0), m.
-    pub height_m: f64,
-    /// Centre of mass relative to the middle of the box, m.
-    #[serde(default)]
-    pub centre_of_mass_m: [f64; 2],
-}
-
-/// A direction of motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Direction {
-    /// Along x.
-    Sway,
-    /// Along y.
-    Heave,
-    /// Rotation, counter-clockwise.
-    Roll,
-}
-
 /// `[[gauge]]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]
@@ -284,10 +229,7 @@ fn default_pressure_max_iterations() -> u32 {
     500
 }
 
-fn default_body_name() -> String {
-    "body".to_owned()
-}
-
-fn all_directions() -> Vec<Direction> {
-    vec![Direction::Sway, Direction::Heave, Direction::Roll]
+/// Whether a value need not be written.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }

@@ -4,19 +4,26 @@
 //! with every default filled in, and the [`Scene`] in the terms of the
 //! components.
 
+mod body_checks;
+mod body_keys;
 mod checks;
 mod geometry_checks;
 mod keys;
 mod library;
+mod motion;
 mod resolve;
 mod source;
 mod wave_checks;
 mod wave_keys;
 mod wave_plan;
 
+pub use body_keys::{
+    BodyKeys, BoxKeys, ContactKeys, Direction, EngineName, MotionKeys, RotationKeys,
+    TranslationKeys,
+};
 pub use keys::{
-    BodyKeys, BoxKeys, CaseKeys, DampingZoneKeys, Direction, GaugeKeys, NumericsKeys, OutputKeys,
-    ProbeKeys, StandingWaveKeys, TableName, TankKeys, WaterKeys,
+    CaseKeys, DampingZoneKeys, GaugeKeys, NumericsKeys, OutputKeys, ProbeKeys, StandingWaveKeys,
+    TableName, TankKeys, WaterKeys,
 };
 pub use library::{LibraryCase, library};
 pub use wave_keys::{
@@ -126,24 +133,22 @@ impl Case {
     ) -> Result<Self, CaseError> {
         let (mut keys, source) = Source::read(label, text, overrides)
             .map_err(|problem| CaseError::Invalid(vec![problem]))?;
+        let refuse_if_any = |problems: Vec<Problem>| match problems.is_empty() {
+            true => Ok(()),
+            false => Err(CaseError::Invalid(problems)),
+        };
+        let folder = Path::new(label).parent().unwrap_or(Path::new(""));
         if let Some(wave) = &mut keys.wave {
-            let folder = Path::new(label).parent().unwrap_or(Path::new(""));
             wave_plan::read_motion(wave, folder).map_err(|message| {
                 CaseError::Invalid(vec![source.problem("wave.file", message)])
             })?;
         }
-        let mut problems = checks::check_values(&keys, &source);
-        if problems.is_empty() {
-            problems = geometry_checks::check_geometry(&keys, &source);
-        }
+        refuse_if_any(checks::check_values(&keys, &source))?;
+        let motions = motion::prescribed(&mut keys, folder, &source).map_err(CaseError::Invalid)?;
+        refuse_if_any(geometry_checks::check_geometry(&keys, &source))?;
         let keys = resolve::resolve(keys);
-        if problems.is_empty() {
-            problems = wave_checks::check_wave_fits(&keys, &source);
-        }
-        if !problems.is_empty() {
-            return Err(CaseError::Invalid(problems));
-        }
-        let scene = Scene::new(&keys);
+        refuse_if_any(wave_checks::check_wave_fits(&keys, &source))?;
+        let scene = Scene::new(&keys, motions);
         let wave = wave_plan::wave_plan(&keys);
         let warnings = wave_checks::warnings(&keys);
         Ok(Self { name: name.to_owned(), keys, scene, wave, warnings })

@@ -2,7 +2,7 @@
 
 use super::{BodyKeys, CaseKeys, wave_plan};
 use crate::geometry;
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
 /// Default time step over particle spacing, s/m: that of the reference (Ma et al. 2024).
 const TIME_STEP_PER_SPACING: f64 = 0.1;
@@ -29,6 +29,7 @@ fn resolve_body(mut body: BodyKeys) -> BodyKeys {
         body.mass_kg_m = Some(density * integrals.area);
         body.inertia_kg_m2_m = Some(density * integrals.polar_moment);
     }
+    body.centre_of_mass_m = None;
     body.rectangle = None;
     body.corners_m = Some(corners.iter().map(|corner| [corner.x, corner.y]).collect());
     body.equilibrium_m.get_or_insert(body.position_m);
@@ -37,19 +38,36 @@ fn resolve_body(mut body: BodyKeys) -> BodyKeys {
 
 /// Corners of a body relative to its centre of mass, counter-clockwise, m.
 pub(super) fn corners(body: &BodyKeys) -> Vec<Point2<f64>> {
-    let mut corners: Vec<Point2<f64>> = match (&body.rectangle, &body.corners_m) {
-        (Some(rectangle), _) => {
-            let (x, y) = (rectangle.width_m / 2.0, rectangle.height_m / 2.0);
-            let [centre_x, centre_y] = rectangle.centre_of_mass_m;
-            [(-x, -y), (x, -y), (x, y), (-x, y)]
-                .map(|(x, y)| Point2::new(x - centre_x, y - centre_y))
-                .to_vec()
-        }
-        (None, Some(corners)) => corners.iter().map(|[x, y]| Point2::new(*x, *y)).collect(),
-        (None, None) => Vec::new(),
-    };
+    let mut corners = outline(body);
     if geometry::area_integrals(&corners).area < 0.0 {
         corners.reverse();
     }
-    corners
+    let centre = centre_of_mass(body);
+    corners.iter().map(|corner| corner - centre).collect()
+}
+
+/// Centre of mass in the frame in which the shape is given, m.
+pub(super) fn centre_of_mass(body: &BodyKeys) -> Vector2<f64> {
+    match (body.centre_of_mass_m, body.density_kg_m3) {
+        (Some(centre), _) => centre.into(),
+        (None, Some(_)) => {
+            let centroid = geometry::area_integrals(&outline(body)).centroid.coords;
+            // A shape that is given about its centroid keeps its bits.
+            let extent = outline(body).iter().map(|c| c.coords.norm()).fold(0.0, f64::max);
+            if centroid.norm() > 1e-9 * extent { centroid } else { Vector2::zeros() }
+        }
+        (None, None) => Vector2::zeros(),
+    }
+}
+
+/// Corners as they are given, m.
+fn outline(body: &BodyKeys) -> Vec<Point2<f64>> {
+    match (&body.rectangle, &body.corners_m) {
+        (Some(rectangle), _) => {
+            let (x, y) = (rectangle.width_m / 2.0, rectangle.height_m / 2.0);
+            [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| Point2::new(x, y)).to_vec()
+        }
+        (None, Some(corners)) => corners.iter().map(|[x, y]| Point2::new(*x, *y)).collect(),
+        (None, None) => Vec::new(),
+    }
 }
