@@ -15,5 +15,6 @@ pub mod output;
 pub mod plan;
 pub mod scene;
 pub mod simulation;
+pub mod tally;
 pub mod theory;
 pub mod waves;

@@ -1,7 +1,7 @@
 //! The plan of a case: every stage, kept or left out, with the reason.
 
 use crate::case::{Case, TableName};
-use crate::scene::{Body, Scene, has_rows};
+use crate::scene::{Body, has_rows};
 use crate::simulation::fluid_stages;
 use std::fmt;
 
@@ -33,7 +33,7 @@ pub fn plan(case: &Case) -> Vec<PlanLine> {
         .into_iter()
         .map(|(stage, kept, reason)| PlanLine { group: "fluid", stage, kept, reason })
         .collect();
-    lines.extend(body_stages(scene));
+    lines.extend(body_stages(case));
     lines.extend(TableName::ALL.map(|table| table_line(case, table)));
     let output = &scene.output;
     let mut add = |stage: &str, kept: bool, reason: String| {
@@ -63,7 +63,8 @@ pub fn plan(case: &Case) -> Vec<PlanLine> {
     lines
 }
 
-fn body_stages(scene: &Scene) -> Vec<PlanLine> {
+fn body_stages(case: &Case) -> Vec<PlanLine> {
+    let scene = &case.scene;
     let names: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
     let line = |stage: &str, kept: bool, yes: String, no: &str| PlanLine {
         group: "body",
@@ -74,8 +75,12 @@ fn body_stages(scene: &Scene) -> Vec<PlanLine> {
     let none = scene.bodies.is_empty();
     let no_motion = if none { "no body in the case" } else { "every body is held" };
     let moving: Vec<String> = scene.bodies.iter().filter_map(moved_by).collect();
+    let coupling = &case.keys.coupling;
+    let rates = format!("{} : {}", coupling.fluid_substeps, coupling.body_substeps);
+    let scheme = format!("{}, steps of water to bodies {rates}", coupling.scheme.name());
     vec![
         line("rigid bodies", !none, names.join(", "), "no body in the case"),
+        line("coupling", !none, scheme, "no body in the case"),
         line("motion", !moving.is_empty(), moving.join(", "), no_motion),
         line("moorings", false, String::new(), "no mooring in the case"),
     ]

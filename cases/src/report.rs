@@ -92,13 +92,12 @@ fn number(value: f64) -> String {
 /// One line on a case that has passed its checks.
 pub(crate) fn overview(case: &Case) -> String {
     let scene = &case.scene;
-    let numerics = &scene.fluid.numerics;
-    let rows = scene.depth() / numerics.particle_spacing;
+    let rows = scene.depth() / scene.fluid.numerics.particle_spacing;
     format!(
         "{}: ok, {} steps of {} s to t = {} s, {rows:.1} particles over the depth, {} bodies\n",
         case.name,
         scene.steps,
-        numerics.time_step,
+        scene.communication_step(),
         case.keys.end_time_s,
         scene.bodies.len(),
     )

@@ -3,6 +3,7 @@
 use crate::case::{BodyKeys, CaseKeys, Direction, EngineName, TableName};
 use nalgebra::{Point2, Vector2};
 use seakeep_body::{BodyError, Contacts, Harmonic, PrescribedMotion, TimeSeries};
+use seakeep_coupler::Coupling;
 use seakeep_coupler::interface::BoundaryKinematics;
 use seakeep_fluid::setup::{
     DampingZone, FluidSetup, InitialFlow, Numerics, RigidBoundary, Tank, Water,
@@ -26,7 +27,9 @@ pub struct Scene {
     pub gauges: Vec<Gauge>,
     /// Pressure probes.
     pub probes: Vec<Probe>,
-    /// Number of time steps.
+    /// How the fluid and the bodies are coupled.
+    pub coupling: Coupling,
+    /// Number of communication steps.
     pub steps: u64,
     /// When what is written.
     pub output: OutputPlan,
@@ -202,6 +205,8 @@ impl Scene {
                 pressure_max_iterations: keys.numerics.pressure_max_iterations as usize,
             },
         };
+        let coupling = keys.coupling.coupling();
+        let communication_step = time_step * f64::from(coupling.load_substeps);
         let gauges = keys.gauge.iter().map(|g| Gauge { name: g.name.clone(), x: g.x_m }).collect();
         let probes = keys
             .probe
@@ -230,15 +235,22 @@ impl Scene {
             gauges,
             probes,
             // A hair below the exact ratio, so that rounding does not add a step.
-            steps: (keys.end_time_s / time_step * (1.0 - 1e-12)).ceil().max(1.0) as u64,
-            output: output_plan(keys, time_step),
+            coupling,
+            steps: (keys.end_time_s / communication_step * (1.0 - 1e-12)).ceil().max(1.0) as u64,
+            output: output_plan(keys, communication_step),
         }
     }
 
-    /// Time step, s.
+    /// Time step of the fluid, s.
     #[must_use]
     pub fn time_step(&self) -> f64 {
         self.fluid.numerics.time_step
+    }
+
+    /// Time between two exchanges of load and motion, s: a time step or several.
+    #[must_use]
+    pub fn communication_step(&self) -> f64 {
+        self.time_step() * f64::from(self.coupling.load_substeps)
     }
 
     /// Still-water depth, m.
@@ -270,9 +282,9 @@ pub(crate) fn has_rows(keys: &CaseKeys, table: TableName) -> bool {
     }
 }
 
-fn output_plan(keys: &CaseKeys, time_step: f64) -> OutputPlan {
+fn output_plan(keys: &CaseKeys, communication_step: f64) -> OutputPlan {
     let output = &keys.output;
-    let every = |interval: f64| ((interval / time_step).round() as u64).max(1);
+    let every = |interval: f64| ((interval / communication_step).round() as u64).max(1);
     OutputPlan {
         series_every: every(output.series_interval_s),
         frames_every: (output.mcap && output.frame_interval_s > 0.0)

@@ -3,6 +3,7 @@
 use crate::case::EngineName;
 use crate::output::rows::DiagnosticsRow;
 use crate::scene::Scene;
+use crate::tally::CouplingTally;
 use nalgebra::{DMatrix, Point2};
 use seakeep_body::{
     BodyError, BodyProperties, FreeDegrees, NewtonEulerEngine, RapierEngine, RigidBodies,
@@ -33,6 +34,10 @@ pub struct Simulation {
     fluid: Fluid,
     bodies: Option<RigidBodies>,
     master: FixedStepMaster,
+    /// Of the whole run.
+    tally: CouplingTally,
+    /// Since the last sample.
+    recent: CouplingTally,
 }
 
 /// One row of every series.
@@ -71,17 +76,21 @@ impl Simulation {
             _ => Some(rigid_bodies(scene)?),
         };
         let motion = bodies.as_mut().map(|bodies| bodies as &mut dyn MotionComponent);
-        let master = FixedStepMaster::start(0.0, scene.time_step(), &mut fluid, motion)?;
-        Ok(Self { fluid, bodies, master })
+        let step = scene.communication_step();
+        let master = FixedStepMaster::start_with(scene.coupling, 0.0, step, &mut fluid, motion)?;
+        let tally = CouplingTally::default();
+        Ok(Self { fluid, bodies, master, tally, recent: tally })
     }
 
-    /// Takes one time step.
+    /// Takes one communication step.
     ///
     /// # Errors
     /// When a component fails; the simulation cannot go on then, but can still be read.
     pub fn step(&mut self) -> Result<(), SimulationError> {
         let motion = self.bodies.as_mut().map(|bodies| bodies as &mut dyn MotionComponent);
-        self.master.step(&mut self.fluid, motion)?;
+        let report = self.master.step(&mut self.fluid, motion)?;
+        self.tally.add(&report);
+        self.recent.add(&report);
         Ok(())
     }
 
@@ -97,16 +106,29 @@ impl Simulation {
         self.master.step_count()
     }
 
-    /// Reads off what `scene` measures.
+    /// Kinematics of every body, in the order of the scene.
     #[must_use]
-    pub fn sample(&self, scene: &Scene) -> Sample {
+    pub fn kinematics(&self) -> &[BoundaryKinematics] {
+        self.bodies.as_ref().map_or(&[], |bodies| bodies.kinematics())
+    }
+
+    /// What the coupling has cost and made so far.
+    #[must_use]
+    pub fn coupling_tally(&self) -> &CouplingTally {
+        &self.tally
+    }
+
+    /// Reads off what `scene` measures. What the coupling did is that since the last sample.
+    #[must_use]
+    pub fn sample(&mut self, scene: &Scene) -> Sample {
+        let recent = std::mem::take(&mut self.recent);
         let found = self.fluid.diagnostics();
         let loads = if self.steps() == 0 { &[] } else { self.fluid.loads() };
         let elevation = |gauge: &crate::scene::Gauge| self.fluid.surface_elevation(gauge.x);
         let pressure = |probe: &crate::scene::Probe| self.fluid.pressure_at(probe.point);
         Sample {
             time: self.time(),
-            motion: self.bodies.as_ref().map_or(Vec::new(), |b| b.kinematics().to_vec()),
+            motion: self.kinematics().to_vec(),
             loads: loads.to_vec(),
             elevations: scene.gauges.iter().map(elevation).collect(),
             pressures: scene.probes.iter().map(pressure).collect(),
@@ -120,6 +142,9 @@ impl Simulation {
                 pressure_iterations: found.pressure_iterations as u64,
                 pressure_residual: found.pressure_residual,
                 particles_active: found.particles_active as u64,
+                load_evaluations: recent.load_evaluations,
+                coupling_residual: recent.residual_largest,
+                power_bond_residual_j_per_m: recent.power_bond_residual_j_per_m,
             },
             max_speed: found.max_speed,
             max_hydrostatic_pressure_error: found.max_hydrostatic_pressure_error,

@@ -79,6 +79,35 @@ fn every_number_out_of_range_is_reported_at_once() {
 }
 
 #[test]
+fn a_coupling_that_cannot_be() {
+    refused(
+        SMALL,
+        &["--set", "coupling.scheme='chaotic'"],
+        &[&["--set coupling.scheme", "unknown variant `chaotic`", "interface_jacobian"]],
+    );
+    refused(
+        SMALL,
+        &["--set", "coupling.fluid_substeps=0", "--set", "coupling.relaxation=0.5"],
+        &[
+            &["coupling.fluid_substeps", "0 must be at least 1 and at most 1000"],
+            &["coupling.relaxation", "only the scheme \"implicit\" has it"],
+        ],
+    );
+    let implicit = |key| ["--set", "coupling.scheme='implicit'", "--set", key];
+    for (key, words) in [
+        ("coupling.relaxation=1.5", "1.5 must be above 0 and at most 1"),
+        ("coupling.tolerance=0", "0 must be at least 0.000000000001 and at most 0.1"),
+        ("coupling.max_iterations=0", "0 must be at least 1"),
+        ("coupling.extrapolation='cubic'", "unknown variant `cubic`"),
+    ] {
+        refused(SMALL, &implicit(key), &[&[key.split('=').next().unwrap(), words]]);
+    }
+    let mut aitken = implicit("coupling.acceleration='aitken'").to_vec();
+    aitken.extend(["--set", "coupling.reused_steps=2"]);
+    refused(SMALL, &aitken, &[&["coupling.reused_steps", "only the acceleration \"iqn_ils\""]]);
+}
+
+#[test]
 fn a_spacing_that_gives_no_particle() {
     let place = format!("bad.toml:{}", line_of("particle_spacing_m"));
     let text = SMALL.replace("particle_spacing_m = 0.02", "particle_spacing_m = 0.5");

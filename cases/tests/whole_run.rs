@@ -24,7 +24,8 @@ const COLUMNS: [(&str, &str, usize); 5] = [
         "diagnostics.csv",
         "time_s,kinetic_energy_j_per_m,potential_energy_j_per_m,volume_error,\
          divergence_rms_per_s,density_error_rms,pressure_iterations,pressure_residual,\
-         particles_active",
+         particles_active,load_evaluations,\
+         coupling_residual,power_bond_residual_j_per_m",
         11,
     ),
 ];
@@ -83,10 +84,46 @@ fn the_output_contract() {
     for key in ["version", "threads", "simulated_time_s", "wall_time_s", "final_volume_error"] {
         assert!(!summary[key].is_null(), "{key}");
     }
+    let coupling = &summary["coupling"];
+    assert_eq!((&coupling["steps"], &coupling["load_evaluations"]), (&50.into(), &50.into()));
+    let made = coupling["power_bond_residual_magnitude_j_per_m"].as_f64().unwrap();
+    assert!(made < 1e-6 * coupling["interface_work_j_per_m"].as_f64().unwrap().abs(), "{made}");
     assert!(summary["stage_time_s"].as_object().unwrap().len() > 5);
     assert!(summary["particles"]["fluid"].as_u64().unwrap() > 200);
     assert!(summary["findings"].as_array().unwrap().len() > 3);
     assert!(read(&out.join("motion.svg")).contains("roll (degrees)"));
+}
+
+#[test]
+fn another_coupling_is_run_and_reported() {
+    let directory = directory();
+    let arguments = [
+        "run",
+        "small.toml",
+        "--out",
+        "out",
+        "--set",
+        "coupling.scheme='implicit'",
+        "--set",
+        "coupling.fluid_substeps=2",
+        "--set",
+        "coupling.extrapolation='linear'",
+    ];
+    let output = run(directory.path(), &arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let summary: serde_json::Value =
+        serde_json::from_str(&read(&directory.path().join("out/summary.json"))).unwrap();
+    assert_eq!(summary["steps"], 25);
+    let coupling = &summary["configuration"]["coupling"];
+    assert_eq!(coupling["acceleration"], "iqn_ils");
+    // What a repeated solution of the pressure can be told apart by.
+    assert_eq!(coupling["tolerance"], 1e-3);
+    let total = summary["coupling"]["load_evaluations"].as_u64().unwrap();
+    let rows = read(&directory.path().join("out/diagnostics.csv"));
+    let evaluations = rows.lines().skip(1).map(|row| row.split(',').nth(9).unwrap());
+    assert_eq!(evaluations.map(|cell| cell.parse::<u64>().unwrap()).sum::<u64>(), total);
+    assert!((50..250).contains(&total), "{total}");
+    assert!(summary["coupling"]["residual_largest"].as_f64().unwrap() <= 1e-3);
 }
 
 /// Topics with the number of messages of each, and the last log time, ns.

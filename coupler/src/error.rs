@@ -15,6 +15,16 @@ pub enum CouplerError {
         /// Communication step, s.
         communication_step: f64,
     },
+    /// A parameter of the coupling is out of its range.
+    #[error("{setting} = {value} of the coupling must be {allowed}")]
+    Setting {
+        /// Name of the parameter.
+        setting: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        allowed: &'static str,
+    },
     /// The components do not speak of the same boundaries.
     #[error("{load} has {load_boundaries} boundaries, but {motion} moves {motion_bodies}")]
     BoundaryCount {
@@ -30,7 +40,7 @@ pub enum CouplerError {
     /// The algebraic loop between load and acceleration cannot be closed.
     #[error(
         "the load of {component} depends at once on the acceleration, but it does not provide \
-         the directional derivative that this scheme needs to stay stable"
+         the directional derivative that this scheme needs to stay stable; iterate instead"
     )]
     FeedthroughWithoutDerivative {
         /// Name of the load component.
@@ -41,6 +51,29 @@ pub enum CouplerError {
     MotionFeedthrough {
         /// Name of the motion component.
         component: String,
+    },
+    /// A component that would have to repeat a step cannot go back.
+    #[error("an implicit scheme repeats steps, but {component} cannot save and restore its state")]
+    CannotRepeat {
+        /// Name of the component.
+        component: String,
+    },
+    /// An implicit step did not converge.
+    #[error(
+        "step {step} at t = {time:.6} s: the coupling did not converge in {iterations} \
+         iterations: residual {residual:.3e}, tolerance {tolerance:.3e}"
+    )]
+    NotConverged {
+        /// Time at the start of the step, s.
+        time: f64,
+        /// Number of the step, from 1.
+        step: u64,
+        /// Evaluations of the load.
+        iterations: u32,
+        /// Residual of the last, relative to the accelerations.
+        residual: f64,
+        /// What it had to fall to.
+        tolerance: f64,
     },
     /// A component cannot save its state.
     #[error("{component} cannot save and restore its state")]

@@ -8,4 +8,7 @@ pub mod interface;
 mod master;
 
 pub use error::CouplerError;
-pub use master::{FixedStepMaster, SavedState, StepReport};
+pub use master::{
+    Acceleration, Coupling, Extrapolation, FixedStepMaster, Implicit, SavedState, Scheme,
+    SchemeMemory, StepReport,
+};

@@ -6,7 +6,7 @@ use seakeep_coupler::interface::{
     BoundaryKinematics, Capabilities, Component, ComponentError, ComponentState, Description, Load,
     LoadComponent, LoadResponse, MotionComponent, ValueReference,
 };
-use seakeep_coupler::{CouplerError, FixedStepMaster};
+use seakeep_coupler::{CouplerError, Coupling, Extrapolation, FixedStepMaster, Implicit, Scheme};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -227,6 +227,67 @@ fn combinations_that_cannot_work_are_refused() {
     FixedStepMaster::start(0.0, 0.1, &mut fluid, Some(&mut body(1))).expect("it can work");
     let mut fluid = double("fluid", 0, lagging, &calls);
     FixedStepMaster::start(0.0, 0.1, &mut fluid, None).expect("it can work");
+}
+
+/// What a scheme needs of the components, and what its parameters may be.
+#[test]
+fn a_scheme_refuses_what_it_cannot_do() {
+    let calls = Calls::default();
+    let implicit =
+        |settings| Coupling { scheme: Scheme::Implicit(settings), ..Coupling::default() };
+    let start = |coupling, load: Capabilities, motion: Capabilities| {
+        let mut fluid = double("fluid", 1, load, &calls);
+        let mut body = double("body", 1, motion, &calls);
+        let started = FixedStepMaster::start_with(coupling, 0.0, 0.1, &mut fluid, Some(&mut body));
+        started.map(|_| ()).map_err(|error| error.to_string())
+    };
+    let stateless = |with: Capabilities| Capabilities { can_get_and_set_state: false, ..with };
+    let blind = |with| Capabilities { provides_directional_derivative: false, ..with };
+    let repeat = |name: &str| {
+        format!("an implicit scheme repeats steps, but {name} cannot save and restore its state")
+    };
+    let iterate = implicit(Implicit::default());
+    assert_eq!(start(iterate, COUPLED, stateless(FREE)), Err(repeat("body")));
+    assert_eq!(start(iterate, stateless(blind(COUPLED)), FREE), Err(repeat("fluid")));
+    let subcycled = Coupling { load_substeps: 2, ..iterate };
+    assert_eq!(start(subcycled, stateless(COUPLED), FREE), Err(repeat("fluid")));
+    // With the derivative, and one step in a communication step, the load is never repeated.
+    assert_eq!(start(iterate, stateless(COUPLED), FREE), Ok(()));
+    assert_eq!(
+        start(Coupling::default(), blind(COUPLED), FREE),
+        Err("the load of fluid depends at once on the acceleration, but it does not provide the \
+             directional derivative that this scheme needs to stay stable; iterate instead"
+            .to_owned())
+    );
+    for scheme in [Scheme::Jacobi, Scheme::GaussSeidel, iterate.scheme] {
+        let coupling = Coupling { scheme, ..Coupling::default() };
+        assert_eq!(start(coupling, blind(COUPLED), FREE), Ok(()));
+    }
+    let refused =
+        |coupling, words: &str| assert_eq!(start(coupling, COUPLED, FREE), Err(words.to_owned()));
+    let rates = |load_substeps, motion_substeps| Coupling {
+        load_substeps,
+        motion_substeps,
+        extrapolation: Extrapolation::Linear,
+        ..Coupling::default()
+    };
+    refused(rates(0, 1), "load substeps = 0 of the coupling must be at least 1");
+    refused(rates(1, 0), "motion substeps = 0 of the coupling must be at least 1");
+    let default = Implicit::default();
+    for relaxation in [0.0, 1.1, f64::NAN] {
+        refused(
+            implicit(Implicit { relaxation, ..default }),
+            &format!("relaxation = {relaxation} of the coupling must be in (0, 1]"),
+        );
+    }
+    refused(
+        implicit(Implicit { tolerance: 0.0, ..default }),
+        "tolerance = 0 of the coupling must be in (0, 1)",
+    );
+    refused(
+        implicit(Implicit { max_iterations: 0, ..default }),
+        "iterations = 0 of the coupling must be at least 1",
+    );
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Helpers of the tests that cross crates: small scenes, stepped in process.
 
+pub mod model_fluid;
+
 use seakeep::case::Case;
 use seakeep_body::{BodyProperties, FreeDegrees, RapierEngine, RigidBodies};
 use seakeep_coupler::interface::{Component, ComponentState, MotionComponent};
@@ -66,8 +68,10 @@ impl Coupled {
         let engine = Box::new(RapierEngine::new());
         let mut bodies = RigidBodies::new(properties.collect(), gravity, engine).unwrap();
         let mut fluid = Fluid::flowing(scene.fluid.clone(), &scene.initial_water).unwrap();
-        let step = scene.time_step();
-        let master = FixedStepMaster::start(0.0, step, &mut fluid, Some(&mut bodies)).unwrap();
+        let step = scene.communication_step();
+        let motion = Some(&mut bodies as &mut dyn MotionComponent);
+        let master =
+            FixedStepMaster::start_with(scene.coupling, 0.0, step, &mut fluid, motion).unwrap();
         Self { fluid, bodies, master }
     }
 

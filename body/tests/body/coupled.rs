@@ -189,7 +189,8 @@ fn power_bond_residual_shows_a_wrong_derivative() {
         let before = bodies.kinematics()[0].position.y;
         let report = master.step(&mut load, Some(&mut bodies)).expect("a good step");
         let moved = bodies.kinematics()[0].position.y - before;
-        assert!((report.power_bond_residual - 2.0 * moved).abs() < 1e-12);
+        // The bodies do not get what the load component says that it gives.
+        assert!((report.power_bond_residual + 2.0 * moved).abs() < 1e-12);
     }
 }
 

@@ -139,6 +139,7 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
     check.number("numerics.pressure_tolerance", numerics.pressure_tolerance, allowed);
     let iterations = f64::from(numerics.pressure_max_iterations);
     check.number("numerics.pressure_max_iterations", iterations, Allowed::from(1.0, 1e6));
+    keys.coupling.check(&mut check);
     let step = numerics.time_step_s.unwrap_or(super::resolve::default_time_step(spacing));
     let allowed = if step > 0.0 { Allowed::above(0.0, MAX_STEPS * step) } else { POSITIVE };
     check.number("end_time_s", keys.end_time_s, allowed);

@@ -2,8 +2,9 @@
 //!
 //! Every key, its unit, default and range is described in `docs/cases.md`.
 
-use super::wave_keys::{InitialWaveKeys, WaveKeys, WavemakerKeys};
 use super::body_keys::{BodyKeys, ContactKeys};
+use super::coupling::CouplingKeys;
+use super::wave_keys::{InitialWaveKeys, WaveKeys, WavemakerKeys};
 use serde::{Deserialize, Serialize};
 
 /// A case file.
@@ -30,6 +31,9 @@ pub struct CaseKeys {
     /// The wave is in the tank at the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub initial_wave: Option<InitialWaveKeys>,
+    /// How water and bodies are coupled.
+    #[serde(default)]
+    pub coupling: CouplingKeys,
     /// What is written.
     #[serde(default)]
     pub output: OutputKeys,

@@ -7,6 +7,7 @@
 mod body_checks;
 mod body_keys;
 mod checks;
+mod coupling;
 mod geometry_checks;
 mod keys;
 mod library;
@@ -21,6 +22,7 @@ pub use body_keys::{
     BodyKeys, BoxKeys, ContactKeys, Direction, EngineName, MotionKeys, RotationKeys,
     TranslationKeys,
 };
+pub use coupling::{AccelerationName, CouplingKeys, ExtrapolationName, SchemeName};
 pub use keys::{
     CaseKeys, DampingZoneKeys, GaugeKeys, NumericsKeys, OutputKeys, ProbeKeys, StandingWaveKeys,
     TableName, TankKeys, WaterKeys,

@@ -17,6 +17,7 @@ pub(super) fn resolve(mut keys: CaseKeys) -> CaseKeys {
     let spacing = keys.numerics.particle_spacing_m;
     keys.numerics.time_step_s.get_or_insert(default_time_step(spacing));
     wave_plan::resolve(&mut keys);
+    keys.coupling = keys.coupling.resolve(keys.numerics.pressure_tolerance);
     keys.body = keys.body.into_iter().map(resolve_body).collect();
     keys
 }

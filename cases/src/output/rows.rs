@@ -121,7 +121,8 @@ impl Row for ProbesRow<'_> {
     }
 }
 
-/// A row of `diagnostics.csv`.
+/// A row of `diagnostics.csv`. Of the coupling, the sum of the load evaluations, the largest
+/// residual and the sum of the power-bond residuals since the row before.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs, reason = "the names are the contract's and carry the units")]
 pub struct DiagnosticsRow {
@@ -134,6 +135,9 @@ pub struct DiagnosticsRow {
     pub pressure_iterations: u64,
     pub pressure_residual: f64,
     pub particles_active: u64,
+    pub load_evaluations: u64,
+    pub coupling_residual: f64,
+    pub power_bond_residual_j_per_m: f64,
 }
 
 impl Row for DiagnosticsRow {
@@ -148,6 +152,9 @@ impl Row for DiagnosticsRow {
         "pressure_iterations",
         "pressure_residual",
         "particles_active",
+        "load_evaluations",
+        "coupling_residual",
+        "power_bond_residual_j_per_m",
     ];
     const NAMED_BY: Option<&'static str> = None;
 }

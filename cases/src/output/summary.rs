@@ -2,6 +2,7 @@
 
 use super::OutputError;
 use crate::case::CaseKeys;
+use crate::tally::CouplingTally;
 use seakeep_fluid::ParticleCounts;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -60,6 +61,8 @@ pub struct Summary {
     pub peak_memory_bytes: Option<u64>,
     /// Steps in which the pressure was found by another solver than the one asked for.
     pub fallback_count: u64,
+    /// What the coupling of water and bodies cost and made; absent without bodies.
+    pub coupling: Option<CouplingTally>,
     /// Change of the water's mechanical energy over the run relative to the start; absent where
     /// there was none, or where bodies exchange energy with the water.
     pub final_energy_error: Option<f64>,

@@ -99,6 +99,9 @@ mod tests {
             pressure_iterations: 0,
             pressure_residual: 0.0,
             particles_active: 0,
+            load_evaluations: 0,
+            coupling_residual: 0.0,
+            power_bond_residual_j_per_m: 0.0,
         });
     }
 }

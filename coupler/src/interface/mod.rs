@@ -85,11 +85,12 @@ pub trait Component {
 
 /// A component that is given the kinematics of rigid boundaries and returns the load on each.
 ///
-/// Its load has direct feedthrough from the acceleration, so a master needs three calls for a
-/// step from `t` to `t + h`: [`set_kinematics`](Self::set_kinematics) at `t`,
-/// [`solve_load`](Self::solve_load) for the load at zero acceleration with its directional
-/// derivative, and, once the motion has been solved for,
-/// [`set_accelerations`](Self::set_accelerations) and `do_step`.
+/// Its load may have direct feedthrough from the acceleration. With a directional derivative a
+/// master needs three calls for a step from `t` to `t + h`: [`set_kinematics`](Self::set_kinematics)
+/// at `t`, [`solve_load`](Self::solve_load) for the load at zero acceleration with its derivative,
+/// and, once the motion has been solved for, [`set_accelerations`](Self::set_accelerations) and
+/// `do_step`. Without one, `solve_load` is left out: accelerations are set, the step is taken, and
+/// [`loads`](Self::loads) is what they lead to.
 pub trait LoadComponent: Component {
     /// Number of rigid boundaries.
     fn boundary_count(&self) -> usize;
@@ -100,7 +101,8 @@ pub trait LoadComponent: Component {
 
     /// Load on the boundaries over the step that begins at `current_communication_point`, as an
     /// affine function of their accelerations, held over the step. Repeating the call with the
-    /// same inputs returns the same bits.
+    /// same inputs returns the same bits. Not called on a component that has direct feedthrough
+    /// but [provides no derivative](Capabilities::provides_directional_derivative).
     ///
     /// # Errors
     /// As [`Component::do_step`].
