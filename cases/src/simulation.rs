@@ -4,7 +4,7 @@ use crate::case::EngineName;
 use crate::output::rows::DiagnosticsRow;
 use crate::scene::Scene;
 use crate::tally::CouplingTally;
-use nalgebra::{DMatrix, Point2};
+use nalgebra::{DMatrix, Point2, Vector2};
 use seakeep_body::{
     BodyError, BodyProperties, FreeDegrees, NewtonEulerEngine, RapierEngine, RigidBodies,
     RigidBodyEngine,
@@ -53,6 +53,8 @@ pub struct Sample {
     pub elevations: Vec<Option<f64>>,
     /// Pressure at every probe, Pa.
     pub pressures: Vec<Option<f64>>,
+    /// Velocity of the water at every probe, m/s.
+    pub velocities: Vec<Option<Vector2<f64>>>,
     /// State of health.
     pub diagnostics: DiagnosticsRow,
     /// Largest speed in the water, m/s.
@@ -132,6 +134,7 @@ impl Simulation {
             loads: loads.to_vec(),
             elevations: scene.gauges.iter().map(elevation).collect(),
             pressures: scene.probes.iter().map(pressure).collect(),
+            velocities: scene.probes.iter().map(|p| self.fluid.velocity_at(p.point)).collect(),
             diagnostics: DiagnosticsRow {
                 time_s: self.time(),
                 kinetic_energy_j_per_m: found.kinetic_energy,

@@ -19,7 +19,7 @@ const COLUMNS: [(&str, &str, usize); 5] = [
     // No step has ended at the start.
     ("loads.csv", "time_s,body,force_x_n_per_m,force_y_n_per_m,torque_n_m_per_m", 10),
     ("gauges.csv", "time_s,gauge,x_m,elevation_m", 11),
-    ("probes.csv", "time_s,probe,x_m,y_m,pressure_pa", 11),
+    ("probes.csv", "time_s,probe,x_m,y_m,pressure_pa,velocity_x_m_s,velocity_y_m_s", 11),
     (
         "diagnostics.csv",
         "time_s,kinetic_energy_j_per_m,potential_energy_j_per_m,volume_error,\

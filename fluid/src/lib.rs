@@ -17,6 +17,7 @@ mod free_surface;
 mod geometry;
 mod krylov;
 mod loads;
+mod measure;
 mod motion;
 mod neighbours;
 mod observe;

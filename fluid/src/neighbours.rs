@@ -160,6 +160,12 @@ impl Neighbours {
         );
     }
 
+    /// Number of neighbours of point `i`; `None` for one that no search has seen.
+    pub(crate) fn count(&self, i: usize) -> Option<usize> {
+        let lists = self.blocks.get(i / BLOCK)?;
+        (i % BLOCK + 1 < lists.start.len()).then(|| lists.of(i % BLOCK).len())
+    }
+
     /// The list of point `i`.
     #[inline(always)]
     pub(crate) fn of(&self, i: usize) -> &[u32] {

@@ -1,13 +1,10 @@
-//! What can be read off the particles: elevation, pressure, energy, errors.
+//! What can be read off all particles together: counts, energy, volume, errors.
 
-use crate::fields::Fields;
 use crate::fit;
 use crate::fluid::Fluid;
 use crate::geometry::{area_below, placed, placed_corners, signed_distance};
-use crate::loads::PointPressure;
 use crate::neighbours::CellGrid;
 use crate::operators;
-use crate::small_matrix::Symmetric;
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -302,72 +299,5 @@ impl Fluid {
             }
         }
         volume
-    }
-
-    /// Elevation of the free surface above still water at `x`, m: a quadratic fit to the surface
-    /// particles around. `None` inside a boundary and where there is no water.
-    #[must_use]
-    pub fn surface_elevation(&self, x: f64) -> Option<f64> {
-        let dx = self.setup.numerics.particle_spacing;
-        let particles = &self.state.particles;
-        let polygons: Vec<_> = (0..self.setup.boundaries.len()).map(|b| self.polygon(b)).collect();
-        let mut matrix = Symmetric::<3>::zero();
-        let mut rhs = [0.0; 3];
-        let mut nearest = (f64::INFINITY, 0.0);
-        for (point, &surface) in particles.position.iter().zip(&particles.on_surface) {
-            let d = (point.x - x) / dx;
-            if !surface || d.abs() >= fit::RADIUS {
-                continue;
-            }
-            let halfway = Point2::new(0.5 * (x + point.x), point.y);
-            if polygons.iter().any(|polygon| signed_distance(polygon, halfway) < 0.0) {
-                continue;
-            }
-            let row = [1.0, d, d * d];
-            let weight = fit::bell(d * d);
-            matrix.add_outer(weight, &row);
-            for k in 0..3 {
-                rhs[k] += weight * row[k] * point.y;
-            }
-            if d.abs() < nearest.0 {
-                nearest = (d.abs(), point.y);
-            }
-        }
-        if nearest.0.is_infinite() {
-            return None;
-        }
-        let height = matrix.factorize(1e-4).map_or(nearest.1, |factor| factor.solve(&rhs)[0]);
-        let here = Point2::new(x, height);
-        if polygons.iter().any(|polygon| signed_distance(polygon, here) < 0.0) {
-            return None;
-        }
-        Some(height - self.setup.water.depth)
-    }
-
-    /// Total pressure at `point` over the last step, Pa: a quadratic fit to the particles around.
-    /// `None` outside the water.
-    #[must_use]
-    pub fn pressure_at(&self, point: Point2<f64>) -> Option<f64> {
-        let water = &self.setup.water;
-        if self.surface_elevation(point.x).is_some_and(|eta| point.y > water.depth + eta)
-            || (0..self.setup.boundaries.len())
-                .any(|b| signed_distance(&self.polygon(b), point) < 0.0)
-        {
-            return None;
-        }
-        let radius = fit::RADIUS * self.setup.numerics.particle_spacing;
-        let particles = &self.state.particles;
-        let fields = Fields {
-            position: &particles.position,
-            ..Self::fields(&self.setup, particles, &self.walls, &self.work)
-        };
-        let near = |other: &Point2<f64>| (other - point).norm_squared() < radius * radius;
-        let around = (0..particles.len()).filter(|&j| near(&particles.position[j]));
-        let mut functional = PointPressure::default();
-        // Walls are left out: their data is that of the step, not of the present.
-        functional.build(fields, point, around.map(|j| j as u32), std::iter::empty());
-        let dynamic = functional.evaluate(|j| particles.pressure[j], |_| 0.0);
-        let hydrostatic = water.density * water.gravity * (water.depth - point.y);
-        functional.is_some().then_some(dynamic + hydrostatic)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::scene::{Gauge, Probe, Scene};
 use crate::simulation::{Sample, displacement};
+use nalgebra::Vector2;
 use serde::Serialize;
 
 /// A row: written to a table and to the recording alike.
@@ -100,7 +101,7 @@ impl Row for GaugesRow<'_> {
     }
 }
 
-/// A row of `probes.csv`; the pressure is empty outside the water.
+/// A row of `probes.csv`; pressure and velocity are empty outside the water.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "the names are the contract's and carry the units")]
 pub struct ProbesRow<'a> {
@@ -109,11 +110,14 @@ pub struct ProbesRow<'a> {
     pub x_m: f64,
     pub y_m: f64,
     pub pressure_pa: Option<f64>,
+    pub velocity_x_m_s: Option<f64>,
+    pub velocity_y_m_s: Option<f64>,
 }
 
 impl Row for ProbesRow<'_> {
     const TABLE: &'static str = "probes";
-    const COLUMNS: &'static [&'static str] = &["time_s", "probe", "x_m", "y_m", "pressure_pa"];
+    const COLUMNS: &'static [&'static str] =
+        &["time_s", "probe", "x_m", "y_m", "pressure_pa", "velocity_x_m_s", "velocity_y_m_s"];
     const NAMED_BY: Option<&'static str> = Some("probe");
 
     fn name(&self) -> &str {
@@ -207,17 +211,23 @@ pub fn gauges<'a>(
     scene.gauges.iter().zip(&sample.elevations).map(row)
 }
 
-/// The pressure at every probe.
+/// Pressure and velocity at every probe.
 pub fn probes<'a>(
     scene: &'a Scene,
     sample: &'a Sample,
 ) -> impl Iterator<Item = ProbesRow<'a>> + 'a {
-    let row = |(probe, pressure): (&'a Probe, &'a Option<f64>)| ProbesRow {
-        time_s: sample.time,
-        probe: &probe.name,
-        x_m: probe.point.x,
-        y_m: probe.point.y,
-        pressure_pa: *pressure,
-    };
-    scene.probes.iter().zip(&sample.pressures).map(row)
+    let found = sample.pressures.iter().zip(&sample.velocities);
+    let row =
+        |(probe, (pressure, velocity)): (&'a Probe, (&Option<f64>, &Option<Vector2<f64>>))| {
+            ProbesRow {
+                time_s: sample.time,
+                probe: &probe.name,
+                x_m: probe.point.x,
+                y_m: probe.point.y,
+                pressure_pa: *pressure,
+                velocity_x_m_s: velocity.map(|u| u.x),
+                velocity_y_m_s: velocity.map(|u| u.y),
+            }
+        };
+    scene.probes.iter().zip(found).map(row)
 }

@@ -88,7 +88,15 @@ mod tests {
             torque_n_m_per_m: 0.0,
         });
         check(&GaugesRow { time_s: 0.0, gauge: "a", x_m: 0.0, elevation_m: None });
-        check(&ProbesRow { time_s: 0.0, probe: "a", x_m: 0.0, y_m: 0.0, pressure_pa: None });
+        check(&ProbesRow {
+            time_s: 0.0,
+            probe: "a",
+            x_m: 0.0,
+            y_m: 0.0,
+            pressure_pa: None,
+            velocity_x_m_s: None,
+            velocity_y_m_s: None,
+        });
         check(&DiagnosticsRow {
             time_s: 0.0,
             kinetic_energy_j_per_m: 0.0,
