@@ -122,7 +122,8 @@ fn another_coupling_is_run_and_reported() {
     let rows = read(&directory.path().join("out/diagnostics.csv"));
     let evaluations = rows.lines().skip(1).map(|row| row.split(',').nth(9).unwrap());
     assert_eq!(evaluations.map(|cell| cell.parse::<u64>().unwrap()).sum::<u64>(), total);
-    assert!((50..250).contains(&total), "{total}");
+    // A step of the water needs one or two, and more where the guess is poor.
+    assert!((26..250).contains(&total), "{total}");
     assert!(summary["coupling"]["residual_largest"].as_f64().unwrap() <= 1e-3);
 }
 
