@@ -1,6 +1,7 @@
 //! The command line.
 
 use clap::{Args, Parser, Subcommand};
+use seakeep::bench::Variation;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -33,6 +34,8 @@ pub(crate) enum Command {
     },
     /// Show what the wave of a case should be, by theory, and how the paddle moves
     Wave(WaveArguments),
+    /// Run a case over a grid of settings and set its error against its run time
+    Bench(BenchArguments),
     /// List the cases that come with the program
     List,
 }
@@ -80,6 +83,29 @@ pub(crate) struct WaveArguments {
     /// Write into the directory named by --out even if it is not empty
     #[arg(long, requires = "out")]
     pub(crate) force: bool,
+}
+
+/// Which settings, and what is compared.
+#[derive(Debug, Args)]
+pub(crate) struct BenchArguments {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// A key and its values, such as numerics.particle_spacing_m=0.02,0.01; repeated, every
+    /// combination is run
+    #[arg(long, value_name = "KEY=VALUE,VALUE", required = true)]
+    pub(crate) vary: Vec<Variation>,
+    /// The error of the plot, by its name in the table; without it the first
+    #[arg(long, value_name = "NAME")]
+    pub(crate) error: Option<String>,
+    /// Directory for the results; without it results/CASE-bench, numbered if that is taken
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write into the directory named by --out even if it is not empty
+    #[arg(long, requires = "out")]
+    pub(crate) force: bool,
+    /// Threads to use; without it as many as there are processors
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
 }
 
 /// The command that is run where none is given.

@@ -6,6 +6,7 @@ use crate::geometry;
 use crate::output::summary::Finding;
 use crate::scene::{Body, InitialWater, Scene};
 use crate::simulation::{Sample, displacement};
+use crate::wave_findings::wave_findings;
 use nalgebra::DMatrix;
 use seakeep_coupler::interface::BoundaryKinematics;
 
@@ -27,6 +28,7 @@ pub(crate) fn findings(
         standing_wave(scene, samples, half_waves, &mut found);
         energy(samples, &mut found);
     }
+    wave_findings(case, samples, &mut found);
     if scene.is_still() {
         still_water(scene, samples, &mut found);
     }

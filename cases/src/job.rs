@@ -19,12 +19,6 @@ pub enum JobError {
     /// A component refuses the scene. Nothing has been written.
     #[error("{0}")]
     Setup(SimulationError),
-    /// The fluid has no paddle and no initial flow yet. Nothing has been written.
-    #[error(
-        "waves made by a [wavemaker] or an [initial_wave] cannot be simulated yet; \
-         `seakeep wave` shows what they would be"
-    )]
-    Wave,
     /// The threads cannot be started. Nothing has been written.
     #[error("the threads cannot be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -62,9 +56,6 @@ pub fn run(
     stop: &AtomicBool,
     observe: &mut (dyn FnMut(Progress) + Send),
 ) -> Result<Summary, JobError> {
-    if case.wave.is_some() {
-        return Err(JobError::Wave);
-    }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     pool.install(|| {
         let begun = Instant::now();
@@ -170,6 +161,7 @@ fn summarize(
         wall_time_s: begun.elapsed().as_secs_f64(),
         stage_time_s: stage_times(simulation, course, begun.elapsed()),
         peak_memory_bytes: peak_memory(),
+        pressure_iterations_mean: mean_iterations(samples),
         fallback_count: 0,
         coupling: (!case.scene.bodies.is_empty()).then(|| *simulation.coupling_tally()),
         final_energy_error: energy_error(&case.scene, samples),
@@ -177,6 +169,13 @@ fn summarize(
         findings: findings(case, samples, course.added_mass.as_ref()),
         configuration: case.keys.clone(),
     }
+}
+
+/// Iterations of a pressure solve, on average over the samples after the start.
+fn mean_iterations(samples: &[Sample]) -> Option<f64> {
+    let solved = samples.get(1..).filter(|solved| !solved.is_empty())?;
+    let sum: u64 = solved.iter().map(|sample| sample.diagnostics.pressure_iterations).sum();
+    Some(sum as f64 / solved.len() as f64)
 }
 
 /// Wall time of the fluid's stages and of all around them, s; together the wall time of the run.

@@ -6,6 +6,7 @@
 //! x along the tank, y up from the bed, angles counter-clockwise.
 
 pub mod analysis;
+pub mod bench;
 pub mod case;
 mod findings;
 pub mod geometry;
@@ -17,4 +18,6 @@ pub mod scene;
 pub mod simulation;
 pub mod tally;
 pub mod theory;
+mod wave_findings;
+mod wavemaker;
 pub mod waves;

@@ -8,14 +8,16 @@ mod progress;
 mod report;
 
 use clap::Parser;
-use cli::{CaseArguments, Cli, Command, RunArguments, WaveArguments};
+use cli::{BenchArguments, CaseArguments, Cli, Command, RunArguments, WaveArguments};
 use progress::ProgressDisplay;
+use seakeep::bench;
 use seakeep::case::{Case, library};
 use seakeep::job::{self, JobError};
 use seakeep::output::{directory, summary::Status};
 use seakeep::plan::plan;
 use seakeep::theory;
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,6 +33,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run(&arguments),
         Command::Check { case, plan } => check(&case, plan),
         Command::Wave(arguments) => wave(&arguments),
+        Command::Bench(arguments) => bench(&arguments),
         Command::List => list(),
     };
     match result {
@@ -59,13 +62,8 @@ fn run(arguments: &RunArguments) -> Result<(), Stop> {
     let case = load(&arguments.case)?;
     let out = directory::choose(&case.name, arguments.out.as_deref(), arguments.force)
         .map_err(refused)?;
-    let threads = match arguments.threads {
-        Some(threads) => threads.get(),
-        None => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-    };
-    let stop = Arc::new(AtomicBool::new(false));
-    let on_signal = Arc::clone(&stop);
-    ctrlc::set_handler(move || on_signal.store(true, Ordering::Relaxed)).map_err(refused)?;
+    let threads = threads(arguments.threads);
+    let stop = stop_on_signal()?;
 
     let mut display = ProgressDisplay::new(arguments.quiet, &case);
     let observe = &mut |progress| display.update(progress);
@@ -86,6 +84,61 @@ fn run(arguments: &RunArguments) -> Result<(), Stop> {
         }),
         Status::Failed => Err(Stop { message: summary.failure.unwrap_or_default(), code: FAILED }),
     }
+}
+
+/// As many as asked for, or as there are processors.
+fn threads(asked: Option<NonZeroUsize>) -> usize {
+    asked.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get)
+}
+
+/// A flag that an interruption sets.
+fn stop_on_signal() -> Result<Arc<AtomicBool>, Stop> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let on_signal = Arc::clone(&stop);
+    ctrlc::set_handler(move || on_signal.store(true, Ordering::Relaxed)).map_err(refused)?;
+    Ok(stop)
+}
+
+fn bench(arguments: &BenchArguments) -> Result<(), Stop> {
+    let base = load(&arguments.case)?;
+    let cases = bench::cases(&arguments.case.case, &arguments.case.set, &arguments.vary)
+        .map_err(refused)?;
+    let name = format!("{}-bench", base.name);
+    let out =
+        directory::choose(&name, arguments.out.as_deref(), arguments.force).map_err(refused)?;
+    let (threads, stop) = (threads(arguments.threads), stop_on_signal()?);
+    let failed = |error: &dyn std::fmt::Display| Stop { message: error.to_string(), code: FAILED };
+    let mut trials = Vec::new();
+    let count = cases.len();
+    for (number, (settings, case)) in (1..).zip(cases) {
+        let label = settings.join(" ");
+        let folder = out.join(format!("trial-{number:02}"));
+        let trial = bench::run(settings, &case, &folder, threads, &stop, bench::errors).map_err(
+            |error| match error {
+                JobError::Output(_) => failed(&error),
+                _ => refused(error),
+            },
+        )?;
+        say(&report::trial(number, count, &label, &trial));
+        trials.push(trial);
+        // After each trial, so that an interrupted bench leaves what it has.
+        bench::write(&out.join("bench.csv"), &trials).map_err(|error| failed(&error))?;
+        if stop.load(Ordering::Relaxed) {
+            return Err(Stop { message: format!("interrupted in trial {number}"), code: FAILED });
+        }
+    }
+    let first = || trials.iter().flat_map(|trial| &trial.errors).map(|(name, _)| name).next();
+    let Some(error) = arguments.error.as_ref().or_else(first) else {
+        return Err(Stop { message: "no trial has an error to plot".to_owned(), code: FAILED });
+    };
+    if trials.iter().all(|trial| trial.error(error).is_none()) {
+        let message = format!("--error {error}: no trial has an error of this name");
+        return Err(Stop { message, code: FAILED });
+    }
+    bench::draw(&out.join("bench.svg"), &base.name, error, &trials)
+        .map_err(|error| failed(&error))?;
+    say(&format!("table and plot of \"{error}\" in {}\n", out.display()));
+    Ok(())
 }
 
 fn check(arguments: &CaseArguments, with_plan: bool) -> Result<(), Stop> {

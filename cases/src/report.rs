@@ -1,5 +1,6 @@
 //! What is said at the end of a run, and of a case that passes its checks.
 
+use seakeep::bench::Trial;
 use seakeep::case::Case;
 use seakeep::output::summary::{Finding, Summary};
 use seakeep::theory::Theory;
@@ -44,6 +45,24 @@ fn line(finding: &Finding) -> String {
         }
         Some(theory) => format!("{start} {:>12}", number(theory)),
     }
+}
+
+/// One trial of a bench in a few lines.
+pub(crate) fn trial(index: usize, count: usize, settings: &str, trial: &Trial) -> String {
+    let summary = &trial.summary;
+    let mut text = format!("{index}/{count} {settings}: {:.1} s", summary.wall_time_s);
+    match &summary.failure {
+        Some(failure) => {
+            let _ = write!(text, ", failed: {failure}");
+        }
+        None => {
+            for (name, error) in &trial.errors {
+                let _ = write!(text, "\n    {name:<40} {error:.3e}");
+            }
+        }
+    }
+    text.push('\n');
+    text
 }
 
 /// The wave of a case in a few lines.

@@ -1,6 +1,9 @@
 //! A case in the terms of the components: what is simulated, measured and written.
 
 use crate::case::{BodyKeys, CaseKeys, Direction, EngineName, TableName};
+use crate::wavemaker;
+use crate::waves::StillWater;
+use crate::waves::plan::WavePlan;
 use nalgebra::{Point2, Vector2};
 use seakeep_body::{BodyError, Contacts, Harmonic, PrescribedMotion, TimeSeries};
 use seakeep_coupler::Coupling;
@@ -17,7 +20,10 @@ pub struct Scene {
     pub fluid: FluidSetup,
     /// The water at the start.
     pub initial_water: InitialWater,
-    /// The bodies, in the order of the fluid's boundaries.
+    /// The wave, and what makes it.
+    pub wave: Option<WavePlan>,
+    /// The bodies, in the order of the fluid's boundaries. What else bounds the fluid follows
+    /// there: the paddle and its foot.
     pub bodies: Vec<Body>,
     /// What moves the bodies that are not prescribed.
     pub engine: EngineName,
@@ -176,10 +182,14 @@ pub struct OutputPlan {
 
 impl Scene {
     /// The scene of resolved keys that have passed the checks, with the motion of each body that
-    /// is prescribed.
-    pub(crate) fn new(keys: &CaseKeys, motions: Vec<Option<Motion>>) -> Self {
+    /// is prescribed, and the wave.
+    pub(crate) fn new(
+        keys: &CaseKeys,
+        motions: Vec<Option<Motion>>,
+        wave: Option<WavePlan>,
+    ) -> Self {
         let time_step = keys.numerics.time_step_s.unwrap_or_default();
-        let fluid = FluidSetup {
+        let mut fluid = FluidSetup {
             tank: Tank { length: keys.tank.length_m, height: keys.tank.height_m, paddle: None },
             water: Water {
                 depth: keys.water.depth_m,
@@ -222,9 +232,13 @@ impl Scene {
                 tank_length: keys.tank.length_m,
             },
         };
+        if let Some(plan) = &wave {
+            wavemaker::add(&mut fluid, plan, keys.end_time_s);
+        }
         Self {
             fluid,
             initial_water,
+            wave,
             bodies: keys.body.iter().zip(motions).map(|(keys, m)| body(keys, m)).collect(),
             engine: engine(keys),
             contacts: Contacts {
@@ -259,6 +273,12 @@ impl Scene {
         self.fluid.water.depth
     }
 
+    /// The water at rest, as the theory of waves has it.
+    #[must_use]
+    pub fn still_water(&self) -> StillWater {
+        StillWater { depth: self.fluid.water.depth, gravity: self.fluid.water.gravity }
+    }
+
     /// Whether loads move any body.
     #[must_use]
     pub fn has_free_body(&self) -> bool {
@@ -268,7 +288,9 @@ impl Scene {
     /// Whether nothing moves at the start and nothing will.
     #[must_use]
     pub fn is_still(&self) -> bool {
-        self.bodies.iter().all(Body::is_held) && self.initial_water == InitialWater::Still
+        self.bodies.iter().all(Body::is_held)
+            && self.wave.is_none()
+            && self.initial_water == InitialWater::Still
     }
 }
 

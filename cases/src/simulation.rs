@@ -4,6 +4,7 @@ use crate::case::EngineName;
 use crate::output::rows::DiagnosticsRow;
 use crate::scene::Scene;
 use crate::tally::CouplingTally;
+use crate::waves::WaveError;
 use nalgebra::{DMatrix, Point2, Vector2};
 use seakeep_body::{
     BodyError, BodyProperties, FreeDegrees, NewtonEulerEngine, RapierEngine, RigidBodies,
@@ -24,6 +25,9 @@ pub enum SimulationError {
     /// A body cannot be set up.
     #[error("body: {0}")]
     Body(#[from] BodyError),
+    /// The wave cannot be.
+    #[error("wave: {0}")]
+    Wave(#[from] WaveError),
     /// A step failed.
     #[error(transparent)]
     Coupling(#[from] CouplerError),
@@ -38,6 +42,8 @@ pub struct Simulation {
     tally: CouplingTally,
     /// Since the last sample.
     recent: CouplingTally,
+    /// The paddle among the bodies, where it absorbs waves.
+    absorbing: Option<usize>,
 }
 
 /// One row of every series.
@@ -72,16 +78,45 @@ impl Simulation {
     /// # Errors
     /// When a component refuses its set-up.
     pub fn start(scene: &Scene) -> Result<Self, SimulationError> {
-        let mut fluid = Fluid::flowing(scene.fluid.clone(), &scene.initial_water)?;
-        let mut bodies = match scene.bodies.as_slice() {
+        let water = scene.still_water();
+        let plan = scene.wave.as_ref();
+        let wave = plan.map(|plan| plan.initial_flow(water)).transpose()?.flatten();
+        let mut fluid = match &wave {
+            Some(wave) => Fluid::flowing(scene.fluid.clone(), wave)?,
+            None => Fluid::flowing(scene.fluid.clone(), &scene.initial_water)?,
+        };
+        let mut bodies = match scene.fluid.boundaries.as_slice() {
             [] => None,
             _ => Some(rigid_bodies(scene)?),
         };
+        let maker = plan.map(|plan| plan.wavemaker(water)).transpose()?.flatten();
+        let mut absorbing = None;
+        if let (Some(maker), Some(paddle), Some(bodies)) =
+            (maker, scene.fluid.tank.paddle, &mut bodies)
+        {
+            absorbing = maker.target(0.0).map(|_| paddle);
+            bodies.prescribe(paddle, Box::new(maker))?;
+        }
         let motion = bodies.as_mut().map(|bodies| bodies as &mut dyn MotionComponent);
         let step = scene.communication_step();
         let master = FixedStepMaster::start_with(scene.coupling, 0.0, step, &mut fluid, motion)?;
         let tally = CouplingTally::default();
-        Ok(Self { fluid, bodies, master, tally, recent: tally })
+        Ok(Self { fluid, bodies, master, tally, recent: tally, absorbing })
+    }
+
+    /// Tells the paddle the elevation in front of it.
+    fn observe(&mut self) -> Result<(), SimulationError> {
+        let (Some(paddle), Some(bodies)) = (self.absorbing, &mut self.bodies) else {
+            return Ok(());
+        };
+        let setup = self.fluid.setup();
+        let board = bodies.kinematics()[paddle];
+        let face = board.position.x - board.angle.tan() * (setup.water.depth - board.position.y);
+        let x = face + 0.5 * setup.numerics.particle_spacing;
+        if let Some(elevation) = self.fluid.surface_elevation(x) {
+            bodies.observe_elevation(paddle, elevation)?;
+        }
+        Ok(())
     }
 
     /// Takes one communication step.
@@ -89,6 +124,7 @@ impl Simulation {
     /// # Errors
     /// When a component fails; the simulation cannot go on then, but can still be read.
     pub fn step(&mut self) -> Result<(), SimulationError> {
+        self.observe()?;
         let motion = self.bodies.as_mut().map(|bodies| bodies as &mut dyn MotionComponent);
         let report = self.master.step(&mut self.fluid, motion)?;
         self.tally.add(&report);
@@ -214,18 +250,25 @@ fn rigid_bodies(scene: &Scene) -> Result<RigidBodies, BodyError> {
     Ok(bodies)
 }
 
+/// The bodies, and after them the boundaries that are none: what moves those is prescribed.
 fn properties(scene: &Scene) -> Vec<BodyProperties> {
-    let bodies = scene.bodies.iter().zip(&scene.fluid.boundaries);
-    bodies
-        .map(|(body, boundary)| {
-            let [sway, heave, roll] = body.free;
-            BodyProperties {
-                angle: boundary.angle,
-                equilibrium: body.equilibrium,
-                outline: boundary.corners.clone(),
-                free: FreeDegrees { sway, heave, roll },
-                ..BodyProperties::new(&body.name, body.mass, body.inertia, boundary.position)
+    let boundaries = scene.fluid.boundaries.iter().enumerate();
+    boundaries
+        .map(|(index, boundary)| match scene.bodies.get(index) {
+            Some(body) => {
+                let [sway, heave, roll] = body.free;
+                BodyProperties {
+                    angle: boundary.angle,
+                    equilibrium: body.equilibrium,
+                    outline: boundary.corners.clone(),
+                    free: FreeDegrees { sway, heave, roll },
+                    ..BodyProperties::new(&body.name, body.mass, body.inertia, boundary.position)
+                }
             }
+            None => BodyProperties {
+                free: FreeDegrees::NONE,
+                ..BodyProperties::new(&boundary.name, 1.0, 1.0, boundary.position)
+            },
         })
         .collect()
 }

@@ -101,8 +101,8 @@ pub struct Theory {
 /// # Errors
 /// [`TheoryError`]: a case without a wave, a time outside the run.
 pub fn theory(case: &Case, at: Option<f64>) -> Result<Theory, TheoryError> {
-    let plan = case.wave.as_ref().ok_or(TheoryError::NoWave)?;
-    let water = case.still_water();
+    let plan = case.scene.wave.as_ref().ok_or(TheoryError::NoWave)?;
+    let water = case.scene.still_water();
     let end = case.keys.end_time_s;
     let at = at.unwrap_or(end);
     if !(0.0..=end).contains(&at) {

@@ -21,7 +21,16 @@ macro_rules! cases {
 /// Every case that comes with the program, in the order of `seakeep list`.
 #[must_use]
 pub fn library() -> &'static [LibraryCase] {
-    cases!["still_tank", "standing_wave", "buoyancy", "heave_decay", "roll_decay"]
+    cases![
+        "still_tank",
+        "standing_wave",
+        "regular_wave",
+        "solitary_wave",
+        "focused_wave",
+        "buoyancy",
+        "heave_decay",
+        "roll_decay"
+    ]
 }
 
 #[cfg(test)]

@@ -33,8 +33,6 @@ pub use wave_keys::{
 };
 
 use crate::scene::Scene;
-use crate::waves::StillWater;
-use crate::waves::plan::WavePlan;
 use source::Source;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -49,8 +47,6 @@ pub struct Case {
     pub keys: CaseKeys,
     /// What the components are asked for.
     pub scene: Scene,
-    /// The wave, and what makes it.
-    pub wave: Option<WavePlan>,
     /// What can be run but may not be what was meant, a line each.
     pub warnings: Vec<String>,
 }
@@ -150,16 +146,9 @@ impl Case {
         refuse_if_any(geometry_checks::check_geometry(&keys, &source))?;
         let keys = resolve::resolve(keys);
         refuse_if_any(wave_checks::check_wave_fits(&keys, &source))?;
-        let scene = Scene::new(&keys, motions);
-        let wave = wave_plan::wave_plan(&keys);
+        let scene = Scene::new(&keys, motions, wave_plan::wave_plan(&keys));
         let warnings = wave_checks::warnings(&keys);
-        Ok(Self { name: name.to_owned(), keys, scene, wave, warnings })
-    }
-
-    /// The water at rest, as the theory of waves has it.
-    #[must_use]
-    pub fn still_water(&self) -> StillWater {
-        wave_plan::still_water(&self.keys)
+        Ok(Self { name: name.to_owned(), keys, scene, warnings })
     }
 
     /// The resolved case as the text of a case file.

@@ -59,6 +59,8 @@ pub struct Summary {
     pub stage_time_s: BTreeMap<String, f64>,
     /// Largest resident memory, bytes, where the operating system tells.
     pub peak_memory_bytes: Option<u64>,
+    /// Iterations of a pressure solve, on average over the rows written.
+    pub pressure_iterations_mean: Option<f64>,
     /// Steps in which the pressure was found by another solver than the one asked for.
     pub fallback_count: u64,
     /// What the coupling of water and bodies cost and made; absent without bodies.

@@ -9,7 +9,8 @@ use super::spectrum::{Spectrum, SpectrumForm};
 use super::stokes::StokesWave;
 use super::stream_function::{Current, Extent, StreamFunctionWave};
 use super::{StillWater, WaveError, WaveTheory};
-use nalgebra::Vector2;
+use nalgebra::{Point2, Vector2};
+use seakeep_fluid::setup::InitialFlow;
 use std::sync::Arc;
 
 /// A wave.
@@ -227,6 +228,17 @@ impl WavePlan {
         }))
     }
 
+    /// The water at the start, where the wave is there then.
+    ///
+    /// # Errors
+    /// A wave that cannot be.
+    pub fn initial_flow(&self, water: StillWater) -> Result<Option<WaveAtStart>, WaveError> {
+        Ok(match self.source {
+            WaveSource::Start { .. } => self.theory(water)?.map(WaveAtStart),
+            WaveSource::Paddle { .. } => None,
+        })
+    }
+
     /// The paddle that makes the wave; `None` for one that is there at the start.
     ///
     /// # Errors
@@ -279,6 +291,20 @@ fn stream_function(
 ) -> Result<StreamFunctionWave, WaveError> {
     let (extent, current) = (Extent::Period(period), Current::MassTransport(0.0));
     StreamFunctionWave::new(water, height, extent, current, order)
+}
+
+/// A wave as the water at the start.
+#[derive(Clone, Debug)]
+pub struct WaveAtStart(Arc<dyn WaveTheory>);
+
+impl InitialFlow for WaveAtStart {
+    fn elevation(&self, x: f64) -> f64 {
+        self.0.elevation(x, 0.0)
+    }
+
+    fn velocity(&self, point: Point2<f64>) -> Vector2<f64> {
+        self.0.velocity(point.x, point.y, 0.0)
+    }
 }
 
 /// A wave moved along x.

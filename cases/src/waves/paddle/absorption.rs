@@ -32,6 +32,19 @@ pub struct AbsorptionState {
 }
 
 impl AbsorptionState {
+    /// The same correction, told from `time` (s) on.
+    #[must_use]
+    pub fn moved_to(&self, time: f64) -> Self {
+        let StrokeMotion { displacement, velocity, acceleration } = self.at(time);
+        Self { time, displacement, velocity, acceleration }
+    }
+
+    /// When it was last steered or moved, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
     /// The correction at `time` (s).
     #[must_use]
     pub fn at(&self, time: f64) -> StrokeMotion {
@@ -56,10 +69,10 @@ impl ActiveAbsorption {
         Ok(Self { gain: (water.gravity / water.depth).sqrt(), return_time })
     }
 
-    /// How the correction goes on from `time` (s) over a step of `duration` (s), with `excess` the
+    /// How the correction goes on from `time` (s) over steps of `duration` (s), with `excess` the
     /// measured elevation at the paddle less that of the wave to be made, m.
     #[must_use]
-    pub fn advance(
+    pub fn steer(
         &self,
         state: AbsorptionState,
         time: f64,
@@ -93,7 +106,7 @@ mod tests {
         for n in 0..8000 {
             let time = f64::from(n) * dt;
             let before = state.at(time);
-            state = absorption.advance(state, time, dt, excess(time));
+            state = absorption.steer(state, time, dt, excess(time));
             assert_eq!(before.displacement, state.at(time).displacement);
             assert_eq!(before.velocity, state.at(time).velocity);
             let (gain, delay) = ((9.81f64 / 0.4).sqrt(), 0.05 * (0.4f64 / 9.81).sqrt());
@@ -109,7 +122,7 @@ mod tests {
         let absorption = ActiveAbsorption::new(WATER, 2.0).unwrap();
         let mut state = AbsorptionState { displacement: 0.1, ..AbsorptionState::default() };
         for n in 0..2000 {
-            state = absorption.advance(state, f64::from(n) * 1e-3, 1e-3, 0.0);
+            state = absorption.steer(state, f64::from(n) * 1e-3, 1e-3, 0.0);
         }
         assert!((state.at(2.0).displacement - 0.1 * (-1f64).exp()).abs() < 5e-4);
         assert!(ActiveAbsorption::new(WATER, 0.0).is_err());
