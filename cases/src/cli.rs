@@ -36,6 +36,8 @@ pub(crate) enum Command {
     Wave(WaveArguments),
     /// Run a case over a grid of settings and set its error against its run time
     Bench(BenchArguments),
+    /// Tensions of the mooring lines of a case for a motion that is given, without water
+    Mooring(MooringArguments),
     /// List the cases that come with the program
     List,
 }
@@ -48,6 +50,26 @@ pub(crate) struct CaseArguments {
     /// Override a key, such as water.depth_m=0.5 or body[0].angle_deg=5; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
+}
+
+/// For which motion.
+#[derive(Debug, Args)]
+pub(crate) struct MooringArguments {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// Table (CSV) with the columns time_s, sway_m, heave_m and roll_rad, and body if several are
+    /// moored: such as the motion.csv of a run
+    #[arg(long, value_name = "FILE")]
+    pub(crate) motion: PathBuf,
+    /// Directory for the results; without it results/CASE, numbered if that is taken
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write into the directory named by --out even if it is not empty
+    #[arg(long, requires = "out")]
+    pub(crate) force: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 /// How to run it.

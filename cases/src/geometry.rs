@@ -70,6 +70,17 @@ pub fn contains(corners: &[Point2<f64>], point: Point2<f64>) -> bool {
     crossings.count() % 2 == 1
 }
 
+/// Distance from a point to the outline of a polygon, m.
+#[must_use]
+pub fn distance_to_outline(corners: &[Point2<f64>], point: Point2<f64>) -> f64 {
+    let to_edge = |(a, b): (Point2<f64>, Point2<f64>)| {
+        let (along, to) = (b - a, point - a);
+        let part = (to.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (to - along * part).norm()
+    };
+    edges(corners).map(to_edge).fold(f64::INFINITY, f64::min)
+}
+
 /// Whether two segments share a point.
 #[must_use]
 pub fn segments_meet(
@@ -173,6 +184,9 @@ mod tests {
     fn overlapping_nested_and_separate_polygons() {
         let outer = points(&[[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]]);
         let inner = points(&[[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]);
+        let (inside, outside) = (Point2::new(1.5, 2.5), Point2::new(6.0, 7.0));
+        assert!((distance_to_outline(&outer, inside) - 0.5).abs() < 1e-12);
+        assert!((distance_to_outline(&outer, outside) - 5.0).abs() < 1e-12);
         let apart = points(&[[4.0, 1.0], [5.0, 1.0], [5.0, 2.0]]);
         assert!(overlap(&outer, &inner) && overlap(&inner, &outer));
         assert!(!overlap(&outer, &apart));

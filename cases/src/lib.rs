@@ -11,6 +11,7 @@ pub mod case;
 mod findings;
 pub mod geometry;
 pub mod job;
+pub mod mooring_job;
 pub mod motion_file;
 pub mod output;
 pub mod plan;

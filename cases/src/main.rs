@@ -1,4 +1,4 @@
-//! The `seakeep` program: runs, checks and lists cases.
+//! The `seakeep` program: runs, checks and lists cases, and finds the tensions of moorings.
 //!
 //! Exit code 0: done; 1: the run failed or was interrupted, what it had is written; 2: it could
 //! not begin (bad input), and nothing was written.
@@ -8,11 +8,14 @@ mod progress;
 mod report;
 
 use clap::Parser;
-use cli::{BenchArguments, CaseArguments, Cli, Command, RunArguments, WaveArguments};
+use cli::{
+    BenchArguments, CaseArguments, Cli, Command, MooringArguments, RunArguments, WaveArguments,
+};
 use progress::ProgressDisplay;
 use seakeep::bench;
 use seakeep::case::{Case, library};
 use seakeep::job::{self, JobError};
+use seakeep::mooring_job::{self, MooringError};
 use seakeep::output::{directory, summary::Status};
 use seakeep::plan::plan;
 use seakeep::theory;
@@ -34,6 +37,7 @@ fn main() -> ExitCode {
         Command::Check { case, plan } => check(&case, plan),
         Command::Wave(arguments) => wave(&arguments),
         Command::Bench(arguments) => bench(&arguments),
+        Command::Mooring(arguments) => mooring(&arguments),
         Command::List => list(),
     };
     match result {
@@ -161,6 +165,21 @@ fn wave(arguments: &WaveArguments) -> Result<(), Stop> {
     theory.write(&case, &out).map_err(|error| Stop { message: error.to_string(), code: FAILED })?;
     say(&report::wave(&case, &theory));
     say(&format!("tables in {}\n", out.display()));
+    Ok(())
+}
+
+fn mooring(arguments: &MooringArguments) -> Result<(), Stop> {
+    let case = load(&arguments.case)?;
+    let out = directory::choose(&case.name, arguments.out.as_deref(), arguments.force)
+        .map_err(refused)?;
+    let lines = mooring_job::run(&case, &arguments.motion, &out).map_err(|error| match error {
+        MooringError::Output(_) => Stop { message: error.to_string(), code: FAILED },
+        _ => refused(error),
+    })?;
+    if !arguments.quiet {
+        say(&report::tensions(&lines));
+        say(&format!("results in {}\n", out.display()));
+    }
     Ok(())
 }
 

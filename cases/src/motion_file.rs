@@ -59,6 +59,8 @@ pub struct Samples {
     pub times: Vec<f64>,
     /// Sway (m), heave (m) and roll (rad) at each time.
     pub samples: Vec<[f64; 3]>,
+    /// Whether the file says which body each row is of.
+    pub names_bodies: bool,
 }
 
 /// Reads the motion of `body` from the file at `path`.
@@ -76,7 +78,7 @@ pub fn read(path: &Path, body: &str) -> Result<Samples, MotionFileError> {
         *index = place(column).ok_or(MotionFileError::Column { path: path.to_owned(), column })?;
     }
     let named_by = place("body");
-    let mut found = Samples::default();
+    let mut found = Samples { names_bodies: named_by.is_some(), ..Samples::default() };
     for row in reader.records() {
         let row = row.map_err(failed)?;
         if named_by.is_some_and(|index| row.get(index) != Some(body)) {

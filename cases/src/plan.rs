@@ -39,7 +39,6 @@ pub fn plan(case: &Case) -> Vec<PlanLine> {
     let mut add = |stage: &str, kept: bool, reason: String| {
         lines.push(PlanLine { group: "output", stage: stage.to_owned(), kept, reason });
     };
-    add("mooring.csv", false, "no mooring in the case".to_owned());
     add("run.mcap", output.mcap, format!("output.mcap = {}", output.mcap));
     add(
         "particle frames",
@@ -73,6 +72,8 @@ fn body_stages(case: &Case) -> Vec<PlanLine> {
         reason: if kept { yes } else { no.to_owned() },
     };
     let none = scene.bodies.is_empty();
+    let lines: Vec<&str> = scene.lines.iter().map(|line| line.name.as_str()).collect();
+    let moored = format!("{}; {} substeps in a step", lines.join(", "), scene.substeps);
     let no_motion = if none { "no body in the case" } else { "every body is held" };
     let moving: Vec<String> = scene.bodies.iter().filter_map(moved_by).collect();
     let coupling = &case.keys.coupling;
@@ -82,7 +83,7 @@ fn body_stages(case: &Case) -> Vec<PlanLine> {
         line("rigid bodies", !none, names.join(", "), "no body in the case"),
         line("coupling", !none, scheme, "no body in the case"),
         line("motion", !moving.is_empty(), moving.join(", "), no_motion),
-        line("moorings", false, String::new(), "no mooring in the case"),
+        line("moorings", !lines.is_empty(), moored, "no mooring in the case"),
     ]
 }
 
@@ -104,6 +105,7 @@ fn table_line(case: &Case, table: TableName) -> PlanLine {
     } else {
         match table {
             TableName::Motion | TableName::Loads => "no body in the case",
+            TableName::Mooring => "no mooring in the case",
             TableName::Gauges => "no gauge in the case",
             TableName::Probes => "no probe in the case",
             TableName::Diagnostics => "nothing to write",

@@ -2,6 +2,7 @@
 
 use seakeep::bench::Trial;
 use seakeep::case::Case;
+use seakeep::mooring_job::LineRange;
 use seakeep::output::summary::{Finding, Summary};
 use seakeep::theory::Theory;
 use seakeep::waves::WaveTheory;
@@ -32,6 +33,20 @@ pub(crate) fn report(summary: &Summary) -> String {
         let _ = writeln!(text, "{stage:<20} {time:>9.2} {share:>6.1}");
     }
     text.push('\n');
+    text
+}
+
+/// The range of every line's tension as a short table.
+pub(crate) fn tensions(lines: &[LineRange]) -> String {
+    let mut text = format!(
+        "{:<16} {:>12} {:>12} {:>12} {:>8}\n",
+        "tension, N/m", "least", "mean", "largest", "slack, %"
+    );
+    for LineRange { name, least, mean, largest, slack } in lines {
+        let [least, mean, largest] = [least, mean, largest].map(|value| number(*value));
+        let slack = 100.0 * slack;
+        let _ = writeln!(text, "{name:<16} {least:>12} {mean:>12} {largest:>12} {slack:>8.1}");
+    }
     text
 }
 

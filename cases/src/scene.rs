@@ -1,11 +1,11 @@
 //! A case in the terms of the components: what is simulated, measured and written.
 
-use crate::case::{BodyKeys, CaseKeys, Direction, EngineName, TableName};
+use crate::case::{BodyKeys, CaseKeys, EngineName, TableName};
 use crate::wavemaker;
 use crate::waves::StillWater;
 use crate::waves::plan::WavePlan;
 use nalgebra::{Point2, Vector2};
-use seakeep_body::{BodyError, Contacts, Harmonic, PrescribedMotion, TimeSeries};
+use seakeep_body::{BodyError, Contacts, Harmonic, MooringLine, PrescribedMotion, TimeSeries};
 use seakeep_coupler::Coupling;
 use seakeep_coupler::interface::BoundaryKinematics;
 use seakeep_fluid::setup::{
@@ -29,6 +29,10 @@ pub struct Scene {
     pub engine: EngineName,
     /// How bodies touch each other and the tank.
     pub contacts: Contacts,
+    /// Mooring lines.
+    pub lines: Vec<Line>,
+    /// Substeps of the bodies in a time step, enough to resolve the lines.
+    pub substeps: usize,
     /// Wave gauges.
     pub gauges: Vec<Gauge>,
     /// Pressure probes.
@@ -147,6 +151,17 @@ impl Motion {
     }
 }
 
+/// A mooring line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Name in the table.
+    pub name: String,
+    /// Number of the body it is fastened to.
+    pub body: usize,
+    /// Where it is fastened, and what it answers.
+    pub line: MooringLine,
+}
+
 /// A wave gauge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gauge {
@@ -182,10 +197,11 @@ pub struct OutputPlan {
 
 impl Scene {
     /// The scene of resolved keys that have passed the checks, with the motion of each body that
-    /// is prescribed, and the wave.
+    /// is prescribed, the mooring lines and the wave.
     pub(crate) fn new(
         keys: &CaseKeys,
         motions: Vec<Option<Motion>>,
+        lines: Vec<Line>,
         wave: Option<WavePlan>,
     ) -> Self {
         let time_step = keys.numerics.time_step_s.unwrap_or_default();
@@ -235,11 +251,15 @@ impl Scene {
         if let Some(plan) = &wave {
             wavemaker::add(&mut fluid, plan, keys.end_time_s);
         }
+        let bodies: Vec<Body> =
+            keys.body.iter().zip(motions).map(|(keys, m)| body(keys, m)).collect();
         Self {
             fluid,
             initial_water,
             wave,
-            bodies: keys.body.iter().zip(motions).map(|(keys, m)| body(keys, m)).collect(),
+            substeps: substeps(&bodies, &lines, time_step),
+            bodies,
+            lines,
             engine: engine(keys),
             contacts: Contacts {
                 restitution: keys.contact.restitution,
@@ -298,6 +318,7 @@ impl Scene {
 pub(crate) fn has_rows(keys: &CaseKeys, table: TableName) -> bool {
     match table {
         TableName::Motion | TableName::Loads => !keys.body.is_empty(),
+        TableName::Mooring => !keys.mooring.is_empty(),
         TableName::Gauges => !keys.gauge.is_empty(),
         TableName::Probes => !keys.probe.is_empty(),
         TableName::Diagnostics => true,
@@ -331,6 +352,26 @@ fn boundary(keys: &BodyKeys) -> RigidBoundary {
     }
 }
 
+/// Largest angle by which the fastest oscillation on a line may advance in a substep, rad: its
+/// frequency is then less than 0.1 % too high.
+const ANGLE_PER_SUBSTEP: f64 = 0.1;
+
+/// Substeps that resolve the bodies on their lines, the water's added mass left out.
+fn substeps(bodies: &[Body], lines: &[Line], time_step: f64) -> usize {
+    let rate = |(index, body): (usize, &Body)| {
+        let of_body = lines.iter().filter(|line| line.body == index).map(|line| line.line);
+        let (mut stiffness, mut damping) = (0.0, 0.0);
+        for line in of_body {
+            let mobility = 1.0 / body.mass + line.fairlead.norm_squared() / body.inertia;
+            stiffness += mobility * line.stiffness();
+            damping += mobility * line.damping();
+        }
+        if body.is_free() { stiffness.sqrt().max(damping) } else { 0.0 }
+    };
+    let fastest = bodies.iter().enumerate().map(rate).fold(0.0, f64::max);
+    (fastest * time_step / ANGLE_PER_SUBSTEP).ceil().max(1.0) as usize
+}
+
 /// The engine of the first body that needs one; the checks see to it that the others agree.
 fn engine(keys: &CaseKeys) -> EngineName {
     let engines = keys.body.iter().map(|body| body.engine);
@@ -338,14 +379,13 @@ fn engine(keys: &CaseKeys) -> EngineName {
 }
 
 fn body(keys: &BodyKeys, motion: Option<Motion>) -> Body {
-    let free = |direction| keys.free.contains(&direction);
     Body {
         name: keys.name.clone(),
         // Only a prescribed body may have no mass, and it does not matter there.
         mass: keys.mass_kg_m.unwrap_or(1.0),
         inertia: keys.inertia_kg_m2_m.unwrap_or(1.0),
         motion,
-        free: [free(Direction::Sway), free(Direction::Heave), free(Direction::Roll)],
+        free: keys.free_directions(),
         equilibrium: Point2::from(keys.equilibrium_m.unwrap_or(keys.position_m)),
     }
 }

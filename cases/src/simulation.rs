@@ -7,8 +7,8 @@ use crate::tally::CouplingTally;
 use crate::waves::WaveError;
 use nalgebra::{DMatrix, Point2, Vector2};
 use seakeep_body::{
-    BodyError, BodyProperties, FreeDegrees, NewtonEulerEngine, RapierEngine, RigidBodies,
-    RigidBodyEngine,
+    BodyError, BodyProperties, FreeDegrees, LineState, NewtonEulerEngine, RapierEngine,
+    RigidBodies, RigidBodyEngine,
 };
 use seakeep_coupler::interface::{BoundaryKinematics, Load, LoadComponent, MotionComponent};
 use seakeep_coupler::{CouplerError, FixedStepMaster};
@@ -47,7 +47,7 @@ pub struct Simulation {
 }
 
 /// One row of every series.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Sample {
     /// Time, s.
     pub time: f64,
@@ -55,6 +55,8 @@ pub struct Sample {
     pub motion: Vec<BoundaryKinematics>,
     /// Load on every body over the step that ended now; empty at the start.
     pub loads: Vec<Load>,
+    /// Every mooring line.
+    pub lines: Vec<LineState>,
     /// Elevation above still water at every gauge, m.
     pub elevations: Vec<Option<f64>>,
     /// Pressure at every probe, Pa.
@@ -164,9 +166,11 @@ impl Simulation {
         let loads = if self.steps() == 0 { &[] } else { self.fluid.loads() };
         let elevation = |gauge: &crate::scene::Gauge| self.fluid.surface_elevation(gauge.x);
         let pressure = |probe: &crate::scene::Probe| self.fluid.pressure_at(probe.point);
+        let motion = self.kinematics().to_vec();
         Sample {
             time: self.time(),
-            motion: self.kinematics().to_vec(),
+            lines: scene.lines.iter().map(|line| line.line.at(&motion[line.body])).collect(),
+            motion,
             loads: loads.to_vec(),
             elevations: scene.gauges.iter().map(elevation).collect(),
             pressures: scene.probes.iter().map(pressure).collect(),
@@ -247,7 +251,10 @@ fn rigid_bodies(scene: &Scene) -> Result<RigidBodies, BodyError> {
             bodies.prescribe(index, motion.boxed())?;
         }
     }
-    Ok(bodies)
+    for line in &scene.lines {
+        bodies.add_own_load(line.body, Box::new(line.line))?;
+    }
+    bodies.with_substeps(scene.substeps)
 }
 
 /// The bodies, and after them the boundaries that are none: what moves those is prescribed.

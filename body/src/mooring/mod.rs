@@ -73,6 +73,15 @@ impl MooringLine {
         Load { force, torque: (fairlead - body.position).perp(&force) }
     }
 
+    /// Damping of the line, N s/m².
+    #[must_use]
+    pub fn damping(&self) -> f64 {
+        match &self.law {
+            LineLaw::Spring(spring) => spring.damping,
+            LineLaw::Catenary(_) => 0.0,
+        }
+    }
+
     /// Largest stiffness that the line can have, N/m²: what a substep has to resolve.
     #[must_use]
     pub fn stiffness(&self) -> f64 {
@@ -89,7 +98,7 @@ impl OwnLoad for MooringLine {
     }
 
     fn depends_on_velocity(&self) -> bool {
-        matches!(&self.law, LineLaw::Spring(spring) if spring.damping > 0.0)
+        self.damping() > 0.0
     }
 }
 

@@ -47,6 +47,13 @@ pub struct BodyKeys {
     pub motion: Option<MotionKeys>,
 }
 
+impl BodyKeys {
+    /// Whether it moves in sway, heave and roll.
+    pub(crate) fn free_directions(&self) -> [bool; 3] {
+        [Direction::Sway, Direction::Heave, Direction::Roll].map(|d| self.free.contains(&d))
+    }
+}
+
 /// What moves a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -140,7 +147,7 @@ pub enum Direction {
     Roll,
 }
 
-fn default_body_name() -> String {
+pub(super) fn default_body_name() -> String {
     "body".to_owned()
 }
 

@@ -3,7 +3,7 @@
 use super::body_checks::check_bodies;
 use super::source::Source;
 use super::wave_checks::check_wave_values;
-use super::{CaseKeys, Problem};
+use super::{CaseKeys, Problem, moorings};
 use std::collections::HashSet;
 use std::fmt;
 
@@ -147,6 +147,7 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
     check.number("output.frame_interval_s", keys.output.frame_interval_s, NOT_NEGATIVE);
     check_wave_values(&mut check, keys);
     check_bodies(&mut check, keys);
+    moorings::check_values(&mut check, keys);
     check.names("gauge", keys.gauge.iter().map(|gauge| gauge.name.as_str()));
     check.names("probe", keys.probe.iter().map(|probe| probe.name.as_str()));
     for (index, gauge) in keys.gauge.iter().enumerate() {

@@ -3,7 +3,7 @@
 use super::checks::{Allowed, Checker};
 use super::resolve::corners;
 use super::source::Source;
-use super::{CaseKeys, Problem};
+use super::{CaseKeys, Problem, moorings};
 use crate::geometry::{area_integrals, below, contains, is_simple, overlap};
 use nalgebra::{Point2, Rotation2};
 
@@ -53,6 +53,7 @@ pub(super) fn check_geometry(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
             });
         }
     }
+    moorings::check_geometry(&mut check, keys);
     for (index, probe) in keys.probe.iter().enumerate() {
         let point = Point2::new(probe.x_m, probe.y_m);
         let body = placed.iter().find(|(_, outline)| contains(outline, point));

@@ -4,6 +4,7 @@
 
 use super::body_keys::{BodyKeys, ContactKeys};
 use super::coupling::CouplingKeys;
+use super::mooring_keys::MooringKeys;
 use super::wave_keys::{InitialWaveKeys, WaveKeys, WavemakerKeys};
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +44,9 @@ pub struct CaseKeys {
     /// Rigid bodies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub body: Vec<BodyKeys>,
+    /// Mooring lines.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mooring: Vec<MooringKeys>,
     /// Wave gauges.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gauge: Vec<GaugeKeys>,
@@ -153,6 +157,8 @@ pub enum TableName {
     Motion,
     /// `loads.csv`
     Loads,
+    /// `mooring.csv`
+    Mooring,
     /// `gauges.csv`
     Gauges,
     /// `probes.csv`
@@ -163,8 +169,8 @@ pub enum TableName {
 
 impl TableName {
     /// All tables.
-    pub const ALL: [Self; 5] =
-        [Self::Motion, Self::Loads, Self::Gauges, Self::Probes, Self::Diagnostics];
+    pub const ALL: [Self; 6] =
+        [Self::Motion, Self::Loads, Self::Mooring, Self::Gauges, Self::Probes, Self::Diagnostics];
 
     /// Name in case files, in topics and before `.csv`.
     #[must_use]
@@ -172,6 +178,7 @@ impl TableName {
         match self {
             Self::Motion => "motion",
             Self::Loads => "loads",
+            Self::Mooring => "mooring",
             Self::Gauges => "gauges",
             Self::Probes => "probes",
             Self::Diagnostics => "diagnostics",

@@ -11,6 +11,8 @@ mod coupling;
 mod geometry_checks;
 mod keys;
 mod library;
+mod mooring_keys;
+mod moorings;
 mod motion;
 mod resolve;
 mod source;
@@ -28,6 +30,7 @@ pub use keys::{
     TableName, TankKeys, WaterKeys,
 };
 pub use library::{LibraryCase, library};
+pub use mooring_keys::{LineKind, MooringKeys};
 pub use wave_keys::{
     AbsorptionKeys, BoardKind, InitialWaveKeys, WaveKeys, WaveKind, WavemakerKeys,
 };
@@ -144,9 +147,10 @@ impl Case {
         refuse_if_any(checks::check_values(&keys, &source))?;
         let motions = motion::prescribed(&mut keys, folder, &source).map_err(CaseError::Invalid)?;
         refuse_if_any(geometry_checks::check_geometry(&keys, &source))?;
-        let keys = resolve::resolve(keys);
+        let mut keys = resolve::resolve(keys);
+        let lines = moorings::lines(&mut keys, &source).map_err(CaseError::Invalid)?;
         refuse_if_any(wave_checks::check_wave_fits(&keys, &source))?;
-        let scene = Scene::new(&keys, motions, wave_plan::wave_plan(&keys));
+        let scene = Scene::new(&keys, motions, lines, wave_plan::wave_plan(&keys));
         let warnings = wave_checks::warnings(&keys);
         Ok(Self { name: name.to_owned(), keys, scene, warnings })
     }

@@ -18,6 +18,12 @@ pub(super) fn resolve(mut keys: CaseKeys) -> CaseKeys {
     keys.numerics.time_step_s.get_or_insert(default_time_step(spacing));
     wave_plan::resolve(&mut keys);
     keys.coupling = keys.coupling.resolve(keys.numerics.pressure_tolerance);
+    // Fairleads move with the frames of the shapes, to the centres of mass.
+    for line in &mut keys.mooring {
+        if let Some(body) = keys.body.iter().find(|body| body.name == line.body) {
+            line.fairlead_m = (Vector2::from(line.fairlead_m) - centre_of_mass(body)).into();
+        }
+    }
     keys.body = keys.body.into_iter().map(resolve_body).collect();
     keys
 }

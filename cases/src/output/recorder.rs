@@ -2,7 +2,9 @@
 
 use super::OutputError;
 use super::recording::Recording;
-use super::rows::{self, DiagnosticsRow, GaugesRow, LoadsRow, MotionRow, ProbesRow, Row};
+use super::rows::{
+    self, DiagnosticsRow, GaugesRow, LoadsRow, MooringRow, MotionRow, ProbesRow, Row,
+};
 use super::table::Table;
 use crate::case::{Case, TableName};
 use crate::scene::Scene;
@@ -27,6 +29,7 @@ impl Recorder {
             let open = match table {
                 TableName::Motion => Table::create::<MotionRow<'_>>,
                 TableName::Loads => Table::create::<LoadsRow<'_>>,
+                TableName::Mooring => Table::create::<MooringRow<'_>>,
                 TableName::Gauges => Table::create::<GaugesRow<'_>>,
                 TableName::Probes => Table::create::<ProbesRow<'_>>,
                 TableName::Diagnostics => Table::create::<DiagnosticsRow>,
@@ -52,6 +55,9 @@ impl Recorder {
             match name {
                 TableName::Motion => write(table, recording, time, || rows::motion(scene, sample))?,
                 TableName::Loads => write(table, recording, time, || rows::loads(scene, sample))?,
+                TableName::Mooring => {
+                    write(table, recording, time, || rows::mooring(scene, sample))?;
+                }
                 TableName::Gauges => write(table, recording, time, || rows::gauges(scene, sample))?,
                 TableName::Probes => write(table, recording, time, || rows::probes(scene, sample))?,
                 TableName::Diagnostics => {

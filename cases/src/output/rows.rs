@@ -81,6 +81,29 @@ impl Row for LoadsRow<'_> {
     }
 }
 
+/// A row of `mooring.csv`.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "the names are the contract's and carry the units")]
+pub struct MooringRow<'a> {
+    pub time_s: f64,
+    pub line: &'a str,
+    pub tension_n_per_m: f64,
+    pub length_m: f64,
+    pub fairlead_x_m: f64,
+    pub fairlead_y_m: f64,
+}
+
+impl Row for MooringRow<'_> {
+    const TABLE: &'static str = "mooring";
+    const COLUMNS: &'static [&'static str] =
+        &["time_s", "line", "tension_n_per_m", "length_m", "fairlead_x_m", "fairlead_y_m"];
+    const NAMED_BY: Option<&'static str> = Some("line");
+
+    fn name(&self) -> &str {
+        self.line
+    }
+}
+
 /// A row of `gauges.csv`; the elevation is empty where there is no water.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "the names are the contract's and carry the units")]
@@ -127,7 +150,7 @@ impl Row for ProbesRow<'_> {
 
 /// A row of `diagnostics.csv`. Of the coupling, the sum of the load evaluations, the largest
 /// residual and the sum of the power-bond residuals since the row before.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 #[allow(missing_docs, reason = "the names are the contract's and carry the units")]
 pub struct DiagnosticsRow {
     pub time_s: f64,
@@ -194,6 +217,21 @@ pub fn loads<'a>(scene: &'a Scene, sample: &'a Sample) -> impl Iterator<Item = L
         force_x_n_per_m: load.force.x,
         force_y_n_per_m: load.force.y,
         torque_n_m_per_m: load.torque,
+    })
+}
+
+/// Every mooring line.
+pub fn mooring<'a>(
+    scene: &'a Scene,
+    sample: &'a Sample,
+) -> impl Iterator<Item = MooringRow<'a>> + 'a {
+    scene.lines.iter().zip(&sample.lines).map(|(line, state)| MooringRow {
+        time_s: sample.time,
+        line: &line.name,
+        tension_n_per_m: state.tension,
+        length_m: state.length,
+        fairlead_x_m: state.fairlead.x,
+        fairlead_y_m: state.fairlead.y,
     })
 }
 

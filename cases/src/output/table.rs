@@ -50,7 +50,9 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rows::{DiagnosticsRow, GaugesRow, LoadsRow, MotionRow, ProbesRow};
+    use super::super::rows::{
+        DiagnosticsRow, GaugesRow, LoadsRow, MooringRow, MotionRow, ProbesRow,
+    };
     use super::*;
 
     /// The names of the fields of a row, as serde sees them.
@@ -86,6 +88,14 @@ mod tests {
             force_x_n_per_m: 0.0,
             force_y_n_per_m: 0.0,
             torque_n_m_per_m: 0.0,
+        });
+        check(&MooringRow {
+            time_s: 0.0,
+            line: "a",
+            tension_n_per_m: 0.0,
+            length_m: 0.0,
+            fairlead_x_m: 0.0,
+            fairlead_y_m: 0.0,
         });
         check(&GaugesRow { time_s: 0.0, gauge: "a", x_m: 0.0, elevation_m: None });
         check(&ProbesRow {
