@@ -80,6 +80,8 @@ impl Fluid {
             if self.work.on_surface[j]
                 && !taken[j]
                 && d.dot(&tangent(i)) > ALONG * distance
+                // A thin sheet has another surface behind it.
+                && normal[i].dot(&normal[j]) > ALONG
                 && nearest.is_none_or(|(least, _)| distance < least)
             {
                 nearest = Some((distance, j));
