@@ -8,8 +8,9 @@
 #![allow(clippy::print_stdout, reason = "a program that prints tables")]
 
 use seakeep::case::Case;
-use seakeep::simulation::Simulation;
+use seakeep::simulation::{Simulation, SimulationError};
 use seakeep::tally::CouplingTally;
+use seakeep_coupler::CouplerError;
 use std::error::Error;
 use std::time::Instant;
 
@@ -115,11 +116,10 @@ fn run(scene: &Scene, coupling: &[String], bound: f64) -> Result<Record, Box<dyn
     let clock = Instant::now();
     for _ in 0..case.scene.steps {
         if let Err(error) = simulation.step() {
-            // The scheme may have said so itself, or the water, thrown about by the body.
-            let reason = if error.to_string().contains("converge") {
-                "does not converge"
-            } else {
-                "diverges"
+            // If not the scheme itself, it is the water, thrown about by the body, that gives up.
+            let reason = match error {
+                SimulationError::Coupling(CouplerError::NotConverged { .. }) => "does not converge",
+                _ => "diverges",
             };
             failure = Some(format!("{reason}, t = {:.3} s", simulation.time()));
             break;
