@@ -64,6 +64,9 @@ fn refused(error: impl std::fmt::Display) -> Stop {
 
 fn run(arguments: &RunArguments) -> Result<(), Stop> {
     let case = load(&arguments.case)?;
+    if !arguments.quiet {
+        warn(&case);
+    }
     let out = directory::choose(&case.name, arguments.out.as_deref(), arguments.force)
         .map_err(refused)?;
     let threads = threads(arguments.threads);
@@ -105,6 +108,7 @@ fn stop_on_signal() -> Result<Arc<AtomicBool>, Stop> {
 
 fn bench(arguments: &BenchArguments) -> Result<(), Stop> {
     let base = load(&arguments.case)?;
+    warn(&base);
     let cases = bench::cases(&arguments.case.case, &arguments.case.set, &arguments.vary)
         .map_err(refused)?;
     let name = format!("{}-bench", base.name);
@@ -147,6 +151,7 @@ fn bench(arguments: &BenchArguments) -> Result<(), Stop> {
 
 fn check(arguments: &CaseArguments, with_plan: bool) -> Result<(), Stop> {
     let case = load(arguments)?;
+    warn(&case);
     say(&report::overview(&case));
     if with_plan {
         for line in plan(&case) {
@@ -158,6 +163,7 @@ fn check(arguments: &CaseArguments, with_plan: bool) -> Result<(), Stop> {
 
 fn wave(arguments: &WaveArguments) -> Result<(), Stop> {
     let case = load(&arguments.case)?;
+    warn(&case);
     let theory = theory::theory(&case, arguments.at).map_err(refused)?;
     let name = format!("{}-wave", case.name);
     let out =
@@ -193,11 +199,14 @@ fn list() -> Result<(), Stop> {
 }
 
 fn load(arguments: &CaseArguments) -> Result<Case, Stop> {
-    let case = Case::load(&arguments.case, &arguments.set).map_err(refused)?;
+    Case::load(&arguments.case, &arguments.set).map_err(refused)
+}
+
+/// Says what can be run but may not be what was meant.
+fn warn(case: &Case) {
     for warning in &case.warnings {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
-    Ok(case)
 }
 
 /// Writes to standard output; a reader that has gone away is no error.

@@ -1,8 +1,9 @@
 //! The plan of a case: every stage, kept or left out, with the reason.
 
 use crate::case::{Case, TableName};
-use crate::scene::{Body, has_rows};
+use crate::scene::{Body, Scene, has_rows};
 use crate::simulation::fluid_stages;
+use crate::waves::plan::WaveSource;
 use std::fmt;
 
 /// One line of a plan.
@@ -80,11 +81,24 @@ fn body_stages(case: &Case) -> Vec<PlanLine> {
     let rates = format!("{} : {}", coupling.fluid_substeps, coupling.body_substeps);
     let scheme = format!("{}, steps of water to bodies {rates}", coupling.scheme.name());
     vec![
+        wavemaker(scene),
         line("rigid bodies", !none, names.join(", "), "no body in the case"),
         line("coupling", !none, scheme, "no body in the case"),
         line("motion", !moving.is_empty(), moving.join(", "), no_motion),
         line("moorings", !lines.is_empty(), moored, "no mooring in the case"),
     ]
+}
+
+/// The paddle, and whether it absorbs waves.
+fn wavemaker(scene: &Scene) -> PlanLine {
+    let (kept, reason) = match scene.wave.as_ref().map(|wave| wave.source) {
+        Some(WaveSource::Paddle { absorption: Some(_), .. }) => (true, "with active absorption"),
+        Some(WaveSource::Paddle { absorption: None, .. }) => (true, "without active absorption"),
+        Some(WaveSource::Start { .. }) => (false, "the wave is in the tank at the start"),
+        None => (false, "no wave in the case"),
+    };
+    let (stage, reason) = ("wavemaker".to_owned(), reason.to_owned());
+    PlanLine { group: "body", stage, kept, reason }
 }
 
 /// What moves a body, in words.

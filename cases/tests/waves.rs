@@ -25,7 +25,7 @@ name = "near"
 x_m = 3.0
 
 [[damping_zone]]
-inner_x_m = 6.0
+inner_x_m = 8.0
 outer_x_m = 12.0
 rate_per_s = 10.0
 "#;
@@ -151,7 +151,7 @@ fn waves_that_break_and_waves_out_of_range() {
         &["wave.theory", "off the exact one"],
     );
     warned(
-        &made("kind = \"stream_function\"\nheight_m = 0.12\nperiod_s = 4.5\norder = 32"),
+        &made("kind = \"stream_function\"\nheight_m = 0.04\nperiod_s = 4.5"),
         &["damping_zone[0]", "shorter than half a wavelength"],
     );
 }

@@ -274,9 +274,12 @@ impl WavePlan {
                 PaddleMotion::series(water, board, times.clone(), values.clone(), ramp)?
             }
         };
-        let absorption = match (absorption, self.theory(water)?) {
-            (Some(time), Some(theory)) => Some((ActiveAbsorption::new(water, time)?, theory)),
-            _ => None,
+        let absorption = match absorption {
+            Some(time) => {
+                let absorption = ActiveAbsorption::new(water, time)?;
+                self.theory(water)?.map(|theory| (absorption, theory))
+            }
+            None => None,
         };
         Ok(Some(Wavemaker::new(motion, absorption)))
     }

@@ -142,7 +142,7 @@ impl Problem {
         };
         let limit = highest_wave(1.0, longest);
         if self.height > limit {
-            return Err(Failure::Breaking { height: self.height, limit, length });
+            return Err(Failure::Breaking { height: self.height, limit, length: longest });
         }
         Ok(())
     }
