@@ -148,7 +148,7 @@ impl FluidSetup {
             }
         }
         if let Some(paddle) = self.tank.paddle
-            && !self.boundaries.get(paddle).is_some_and(|boundary| !boundary.free)
+            && self.boundaries.get(paddle).is_none_or(|boundary| boundary.free)
         {
             return Err(FluidError::Parameter {
                 parameter: "index of the paddle",
