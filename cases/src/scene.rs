@@ -226,6 +226,8 @@ impl Scene {
             numerics: Numerics {
                 particle_spacing: keys.numerics.particle_spacing_m,
                 time_step,
+                discretisation: keys.numerics.discretisation,
+                integrator: keys.numerics.integrator,
                 density_blend: keys.numerics.density_blend,
                 pressure_tolerance: keys.numerics.pressure_tolerance,
                 pressure_max_iterations: keys.numerics.pressure_max_iterations as usize,

@@ -1,6 +1,7 @@
 //! What the operators of a step read.
 
 use crate::neighbours::Neighbours;
+use crate::setup::Discretisation;
 use crate::walls::Walls;
 use nalgebra::{Point2, Vector2};
 
@@ -15,4 +16,5 @@ pub(crate) struct Fields<'a> {
     pub(crate) wall_lists: &'a Neighbours,
     pub(crate) walls: &'a Walls,
     pub(crate) spacing: f64,
+    pub(crate) discretisation: Discretisation,
 }

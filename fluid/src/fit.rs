@@ -139,6 +139,18 @@ impl Values {
         self.len
     }
 
+    /// Velocity of row `k` relative to the centre's, m/s.
+    #[inline(always)]
+    pub(crate) fn velocity(&self, k: usize) -> Vector2<f64> {
+        Vector2::new(self.u[k], self.v[k])
+    }
+
+    /// Sets the coefficient of row `k` in the Laplacian.
+    #[inline(always)]
+    pub(crate) fn set_coefficient(&mut self, k: usize, coefficient: f64) {
+        self.coefficient[k] = coefficient;
+    }
+
     /// The neighbours.
     pub(crate) fn index(&self) -> &[u32] {
         &self.index[..self.len]
@@ -224,6 +236,20 @@ impl Moments {
         }
         inner
     }
+
+    /// The velocity fit away from walls, from the `factor` of [`Self::about_centre`].
+    #[inline(always)]
+    fn velocity(&self, factor: &Factor<5>) -> VelocityFit {
+        let [_, u @ ..] = self.u;
+        let [_, v @ ..] = self.v;
+        let (u, v) = (factor.solve(&u), factor.solve(&v));
+        // Were the value at the centre free too, with a weight of its own, it would change by what
+        // the fit misses at the neighbours, after elimination of the other unknowns.
+        let mean = self.basis();
+        let pivot = CENTRE_WEIGHT + self.matrix.0[0][0] - dot(&mean, &factor.solve(&mean));
+        let misfit = Vector2::new(self.u[0] - dot(&mean, &u), self.v[0] - dot(&mean, &v));
+        VelocityFit { u, v, roughness: misfit / pivot }
+    }
 }
 
 /// A wall row: an active wall particle.
@@ -277,9 +303,9 @@ pub(crate) struct VelocityFit {
 /// Quality of a fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Quality {
-    /// Quadratic.
+    /// All that the discretisation can: quadratic, or conventional.
     #[default]
-    Quadratic,
+    Full,
     /// Linear: the neighbours do not resolve second derivatives.
     Linear,
     /// No fit at all.
@@ -294,7 +320,7 @@ fn factorize<const N: usize>(
     seconds: &[usize],
 ) -> (Option<Factor<N>>, Quality) {
     if let Some(factor) = matrix.factorize(PIVOT_THRESHOLD) {
-        return (Some(factor), Quality::Quadratic);
+        return (Some(factor), Quality::Full);
     }
     let mut linear = matrix;
     let trace: f64 = (0..N).map(|i| matrix.0[i][i]).sum();
@@ -332,21 +358,25 @@ impl Rows {
             laplacian: factor.solve(&[0.0, 0.0, 1.0, 0.0, 1.0]),
         };
         let velocity = if self.walls.is_empty() {
-            let [_, u @ ..] = moments.u;
-            let [_, v @ ..] = moments.v;
-            let (u, v) = (factor.solve(&u), factor.solve(&v));
-            // Were the value at the centre free too, with a weight of its own, it would change by
-            // what the fit misses at the neighbours, after elimination of the other unknowns.
-            let mean = moments.basis();
-            let pivot = CENTRE_WEIGHT + moments.matrix.0[0][0] - dot(&mean, &factor.solve(&mean));
-            let misfit = Vector2::new(moments.u[0] - dot(&mean, &u), moments.v[0] - dot(&mean, &v));
-            VelocityFit { u, v, roughness: misfit / pivot }
+            moments.velocity(&factor)
         } else {
             self.fit_velocity_at_walls(&moments, wall_excess)
         };
         let limit = self.values.largest_difference();
         let roughness = velocity.roughness.cap_magnitude(limit);
         (pressure_fit, VelocityFit { roughness, ..velocity }, quality)
+    }
+
+    /// Fits the velocity alone.
+    pub(crate) fn fit_velocity(&self, wall_excess: impl Fn(&WallRow) -> f64) -> VelocityFit {
+        let moments = Moments::of(&self.values);
+        if !self.walls.is_empty() {
+            return self.fit_velocity_at_walls(&moments, wall_excess);
+        }
+        match factorize(moments.about_centre(), &[2, 3, 4]).0 {
+            Some(factor) => moments.velocity(&factor),
+            None => VelocityFit::default(),
+        }
     }
 
     /// Both velocity components at once, since a wall's row holds both; the value at the centre

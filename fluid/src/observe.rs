@@ -162,7 +162,7 @@ impl Fluid {
             d.max_hydrostatic_pressure_error =
                 d.max_hydrostatic_pressure_error.max(particles.pressure[i].abs());
             d.divergence_rms += local.velocity_gradient.trace().powi(2);
-            d.thin_stencils += usize::from(local.quality != fit::Quality::Quadratic);
+            d.thin_stencils += usize::from(local.quality != fit::Quality::Full);
         }
         d.divergence_rms = (d.divergence_rms / particles.len() as f64).sqrt();
         let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);

@@ -103,6 +103,31 @@ pub struct DampingZone {
     pub rate: f64,
 }
 
+/// How derivatives are formed from the values of particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Discretisation {
+    /// Quadratic weighted least-squares fits, second order (ISPH_CQ of the paper).
+    #[default]
+    Quadratic,
+    /// Conventional ISPH: the symmetric Laplacian of Shao & Lo (2003), kernel sums for gradient
+    /// and divergence.
+    Conventional,
+}
+
+/// Where within a step its pressure equation is assembled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Integrator {
+    /// Halfway, at r + u dt/2: second order, neutral for linear waves.
+    #[default]
+    Midpoint,
+    /// At r* = r + u* dt, Eqs. (6) to (8): first order, damps a wave by π ω dt of its energy a
+    /// period. The equations being those of the dynamic pressure, gravity is no part of u*; what
+    /// viscosity adds to r*, ν ∇²u dt², is left out.
+    Paper,
+}
+
 /// Numerical parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Numerics {
@@ -110,6 +135,10 @@ pub struct Numerics {
     pub particle_spacing: f64,
     /// Time step dt, s.
     pub time_step: f64,
+    /// How derivatives are formed.
+    pub discretisation: Discretisation,
+    /// Where within a step its pressure equation is assembled.
+    pub integrator: Integrator,
     /// Blending coefficient α of Eq. (9b).
     pub density_blend: f64,
     /// Stop of the pressure solve: residual relative to the right-hand side.

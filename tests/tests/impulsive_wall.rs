@@ -10,7 +10,9 @@
 use nalgebra::{Point2, Vector2};
 use seakeep_coupler::interface::{Component, LoadComponent};
 use seakeep_fluid::Fluid;
-use seakeep_fluid::setup::{FluidSetup, Numerics, RigidBoundary, Tank, Water};
+use seakeep_fluid::setup::{
+    Discretisation, FluidSetup, Integrator, Numerics, RigidBoundary, Tank, Water,
+};
 use std::f64::consts::PI;
 
 const DEPTH: f64 = 0.4;
@@ -43,6 +45,8 @@ fn found(spacing: f64) -> f64 {
         numerics: Numerics {
             particle_spacing: spacing,
             time_step: 0.1 * spacing,
+            discretisation: Discretisation::Quadratic,
+            integrator: Integrator::Midpoint,
             density_blend: 0.01,
             pressure_tolerance: 1e-8,
             pressure_max_iterations: 500,

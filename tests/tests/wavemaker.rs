@@ -8,7 +8,9 @@ use seakeep_body::{BodyProperties, FreeDegrees, RapierEngine, RigidBodies};
 use seakeep_coupler::FixedStepMaster;
 use seakeep_coupler::interface::{BoundaryKinematics, MotionComponent};
 use seakeep_fluid::Fluid;
-use seakeep_fluid::setup::{DampingZone, FluidSetup, Numerics, RigidBoundary, Tank, Water};
+use seakeep_fluid::setup::{
+    DampingZone, Discretisation, FluidSetup, Integrator, Numerics, RigidBoundary, Tank, Water,
+};
 use std::f64::consts::PI;
 
 const DEPTH: f64 = 0.4;
@@ -63,6 +65,8 @@ fn set_up(length: f64, spacing: f64, time_step: f64) -> (Fluid, RigidBodies, Fix
         numerics: Numerics {
             particle_spacing: spacing,
             time_step,
+            discretisation: Discretisation::Quadratic,
+            integrator: Integrator::Midpoint,
             density_blend: 0.01,
             pressure_tolerance: 1e-3,
             pressure_max_iterations: 500,

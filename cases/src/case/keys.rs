@@ -6,6 +6,7 @@ use super::body_keys::{BodyKeys, ContactKeys};
 use super::coupling::CouplingKeys;
 use super::mooring_keys::MooringKeys;
 use super::wave_keys::{InitialWaveKeys, WaveKeys, WavemakerKeys};
+use seakeep_fluid::setup::{Discretisation, Integrator};
 use serde::{Deserialize, Serialize};
 
 /// A case file.
@@ -110,6 +111,12 @@ pub struct NumericsKeys {
     pub particle_spacing_m: f64,
     /// Time step, s; without it 0.1 s/m times the spacing.
     pub time_step_s: Option<f64>,
+    /// How derivatives are formed.
+    #[serde(default)]
+    pub discretisation: Discretisation,
+    /// Where within a step its pressure equation is assembled.
+    #[serde(default)]
+    pub integrator: Integrator,
     /// Blending coefficient α of Eq. (9b).
     #[serde(default = "default_density_blend")]
     pub density_blend: f64,

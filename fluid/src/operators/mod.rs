@@ -1,10 +1,19 @@
-//! The operators of a step: around each particle one fit gives the divergence of the velocity,
-//! the row of the pressure equation, the gradient functional and the shift.
+//! The operators of a step: around each particle the divergence of the velocity, the row of the
+//! pressure equation, the gradient functional and the shift.
+//!
+//! Two discretisations give them, second-order fits ([`quadratic`]) and conventional kernel sums
+//! ([`conventional`]). Either says with which weight and row of five numbers a neighbour's
+//! pressure and a wall's ∂p/∂n enter, and gives functionals by which the sum over these rows
+//! becomes a gradient or a Laplacian; the later stages need not know which it is.
+
+mod conventional;
+mod quadratic;
 
 use crate::fields::Fields;
-use crate::fit::{self, PressureFit, Quality, Rows, WallRow};
+use crate::fit::{self, PressureFit, Quality, Rows, VelocityFit, WallRow};
 use crate::neighbours::BLOCK;
 use crate::regularise;
+use crate::setup::Discretisation;
 use crate::sparse::SparseMatrix;
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
@@ -105,18 +114,33 @@ fn gather(fields: Fields, i: usize, rows: &mut Rows) {
     }
 }
 
+/// What a discretisation gives around one particle, lengths in spacings.
+struct Derivatives {
+    pressure: PressureFit,
+    /// ∇u: a row for each component of the velocity.
+    velocity_gradient: Matrix2<f64>,
+    /// Quadratic fit of the velocity, which regularisation works with in any case.
+    velocity: VelocityFit,
+    /// Sum of the coefficients of the Laplacian, which are left in the rows.
+    diagonal: f64,
+    quality: Quality,
+}
+
 #[inline(always)]
 fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
     let own = fields.velocity[i];
-    let (pressure, velocity, quality) =
-        rows.fit(|row| row.normal.dot(&(fields.walls.velocity[row.index as usize] - own)));
+    let excess = |row: &WallRow| row.normal.dot(&(fields.walls.velocity[row.index as usize] - own));
+    let derivatives = match fields.discretisation {
+        Discretisation::Quadratic => quadratic::derive(rows, excess),
+        Discretisation::Conventional => conventional::derive(fields, rows, excess),
+    };
+    let Derivatives { pressure, velocity_gradient, velocity, diagonal, quality } = derivatives;
     let scale = 1.0 / fields.spacing;
     let shift = regularise::shift(fields, i, rows);
     let basis = fit::basis(shift);
     Local {
         pressure,
-        velocity_gradient: Matrix2::new(velocity.u[0], velocity.u[1], velocity.v[0], velocity.v[1])
-            * scale,
+        velocity_gradient: velocity_gradient * scale,
         laplacian_of_velocity: Vector2::new(
             velocity.u[2] + velocity.u[4],
             velocity.v[2] + velocity.v[4],
@@ -124,7 +148,7 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
         roughness: velocity.roughness,
         shift: shift * fields.spacing,
         shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v)),
-        diagonal: rows.laplacian(&pressure.laplacian),
+        diagonal,
         quality,
         filter: regularise::filter(fields, i, rows),
         contacts: regularise::contacts(fields, rows),
@@ -167,18 +191,37 @@ pub(crate) fn dirichlet(
     local: &Local,
     surface_pressure: impl Fn(usize) -> f64,
 ) -> f64 {
+    let sum = match fields.discretisation {
+        Discretisation::Quadratic => {
+            surface_sum(fields, i, local, surface_pressure, quadratic::value_row)
+        }
+        Discretisation::Conventional => {
+            surface_sum(fields, i, local, surface_pressure, conventional::value_row)
+        }
+    };
+    sum / local.diagonal
+}
+
+/// Sum over the surface neighbours of particle `i` of their pressure times its coefficient.
+#[inline(always)]
+fn surface_sum(
+    fields: Fields,
+    i: usize,
+    local: &Local,
+    surface_pressure: impl Fn(usize) -> f64,
+    row: impl Fn(Vector2<f64>) -> (f64, [f64; 5]),
+) -> f64 {
     let scale = 1.0 / fields.spacing;
     let mut sum = 0.0;
     for &j in fields.fluid.of(i) {
         let j = j as usize;
         if fields.on_surface[j] {
-            let d = (fields.position[j] - fields.position[i]) * scale;
-            let a =
-                fit::weight(d.norm_squared()) * fit::dot(&local.pressure.laplacian, &fit::basis(d));
+            let (weight, row) = row((fields.position[j] - fields.position[i]) * scale);
+            let a = weight * fit::dot(&local.pressure.laplacian, &row);
             sum += a * surface_pressure(j);
         }
     }
-    sum / local.diagonal
+    sum
 }
 
 /// Sum over the active walls around particle `i` of the Neumann datum `slope(w)` (∂p/∂n, Pa/m)
@@ -194,8 +237,14 @@ pub(crate) fn neumann(fields: Fields, i: usize, slope: impl Fn(usize) -> f64) ->
             let datum = slope(w) * fields.spacing;
             if datum != 0.0 {
                 let d = (fields.walls.position[w] - fields.position[i]) * scale;
-                let row = fit::normal_derivative(d, fields.walls.normal[w]);
-                let weighted = part * fit::WALL_WEIGHT * fit::bell(d.norm_squared()) * datum;
+                let normal = fields.walls.normal[w];
+                let (weight, row) = match fields.discretisation {
+                    Discretisation::Quadratic => quadratic::wall_row(part, d, normal),
+                    Discretisation::Conventional => {
+                        conventional::wall_row(part, d, normal, fields.walls.length[w] * scale)
+                    }
+                };
+                let weighted = weight * datum;
                 for k in 0..5 {
                     sum[k] += weighted * row[k];
                 }
@@ -215,18 +264,36 @@ pub(crate) fn gradient(
     neumann: &[f64; 5],
 ) -> Vector2<f64> {
     let scale = 1.0 / fields.spacing;
-    let mut sum = *neumann;
-    for &j in fields.fluid.of(i) {
-        let j = j as usize;
-        let d = (fields.position[j] - fields.position[i]) * scale;
-        let weighted = fit::weight(d.norm_squared()) * (pressure[j] - pressure[i]);
-        let basis = fit::basis(d);
-        for k in 0..5 {
-            sum[k] += weighted * basis[k];
+    let sum = match fields.discretisation {
+        Discretisation::Quadratic => add_values(fields, i, pressure, neumann, quadratic::value_row),
+        Discretisation::Conventional => {
+            add_values(fields, i, pressure, neumann, conventional::value_row)
         }
-    }
+    };
     Vector2::new(
         fit::dot(&local.pressure.gradient_x, &sum),
         fit::dot(&local.pressure.gradient_y, &sum),
     ) * scale
+}
+
+/// `sum` plus, over the neighbours of particle `i`, their pressure above its own times their row.
+#[inline(always)]
+fn add_values(
+    fields: Fields,
+    i: usize,
+    pressure: &[f64],
+    sum: &[f64; 5],
+    row: impl Fn(Vector2<f64>) -> (f64, [f64; 5]),
+) -> [f64; 5] {
+    let scale = 1.0 / fields.spacing;
+    let mut sum = *sum;
+    for &j in fields.fluid.of(i) {
+        let j = j as usize;
+        let (weight, row) = row((fields.position[j] - fields.position[i]) * scale);
+        let weighted = weight * (pressure[j] - pressure[i]);
+        for k in 0..5 {
+            sum[k] += weighted * row[k];
+        }
+    }
+    sum
 }
