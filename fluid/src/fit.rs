@@ -15,6 +15,9 @@ pub(crate) const RADIUS: f64 = 2.6;
 
 /// A pivot below this part of its diagonal means a direction that the neighbours do not resolve.
 const PIVOT_THRESHOLD: f64 = 5e-3;
+/// The same for the velocity at walls, whose twelve unknowns share a larger trace: 5e-3 took the
+/// velocity's gradient from particles at walls that were displaced by 10 % of a spacing.
+const WALL_PIVOT_THRESHOLD: f64 = 1e-5;
 
 /// Added to the second-derivative diagonal of an unresolved fit, in parts of its trace: the fit
 /// then falls back to a linear one.
@@ -318,8 +321,9 @@ pub(crate) enum Quality {
 fn factorize<const N: usize>(
     matrix: Symmetric<N>,
     seconds: &[usize],
+    threshold: f64,
 ) -> (Option<Factor<N>>, Quality) {
-    if let Some(factor) = matrix.factorize(PIVOT_THRESHOLD) {
+    if let Some(factor) = matrix.factorize(threshold) {
         return (Some(factor), Quality::Full);
     }
     let mut linear = matrix;
@@ -327,7 +331,7 @@ fn factorize<const N: usize>(
     for &i in seconds {
         linear.0[i][i] += LINEAR_FALLBACK * trace;
     }
-    match linear.factorize(PIVOT_THRESHOLD) {
+    match linear.factorize(threshold) {
         Some(factor) => (Some(factor), Quality::Linear),
         None => (None, Quality::None),
     }
@@ -340,15 +344,15 @@ impl Rows {
         &self,
         wall_excess: impl Fn(&WallRow) -> f64,
     ) -> (PressureFit, VelocityFit, Quality) {
+        if self.too_few() {
+            return (PressureFit::default(), VelocityFit::default(), Quality::None);
+        }
         let moments = Moments::of(&self.values);
         let mut pressure = moments.about_centre();
         for row in &self.walls {
             pressure.add_outer(row.part * WALL_WEIGHT * bell(row.distance2()), &row.slope);
         }
-        if self.values.len() + self.walls.len() < FEWEST {
-            return (PressureFit::default(), VelocityFit::default(), Quality::None);
-        }
-        let (factor, quality) = factorize(pressure, &[2, 3, 4]);
+        let (factor, quality) = factorize(pressure, &[2, 3, 4], PIVOT_THRESHOLD);
         let Some(factor) = factor else {
             return (PressureFit::default(), VelocityFit::default(), Quality::None);
         };
@@ -362,19 +366,29 @@ impl Rows {
         } else {
             self.fit_velocity_at_walls(&moments, wall_excess)
         };
+        (pressure_fit, self.limited(velocity), quality)
+    }
+
+    /// Whether there are too few neighbours for any fit.
+    pub(crate) fn too_few(&self) -> bool {
+        self.values.len() + self.walls.len() < FEWEST
+    }
+
+    /// `velocity` with a roughness that no smooth value exceeds.
+    #[inline(always)]
+    fn limited(&self, velocity: VelocityFit) -> VelocityFit {
         let limit = self.values.largest_difference();
-        let roughness = velocity.roughness.cap_magnitude(limit);
-        (pressure_fit, VelocityFit { roughness, ..velocity }, quality)
+        VelocityFit { roughness: velocity.roughness.cap_magnitude(limit), ..velocity }
     }
 
     /// Fits the velocity alone.
     pub(crate) fn fit_velocity(&self, wall_excess: impl Fn(&WallRow) -> f64) -> VelocityFit {
         let moments = Moments::of(&self.values);
         if !self.walls.is_empty() {
-            return self.fit_velocity_at_walls(&moments, wall_excess);
+            return self.limited(self.fit_velocity_at_walls(&moments, wall_excess));
         }
-        match factorize(moments.about_centre(), &[2, 3, 4]).0 {
-            Some(factor) => moments.velocity(&factor),
+        match factorize(moments.about_centre(), &[2, 3, 4], PIVOT_THRESHOLD).0 {
+            Some(factor) => self.limited(moments.velocity(&factor)),
             None => VelocityFit::default(),
         }
     }
@@ -413,7 +427,7 @@ impl Rows {
                 rhs[k] += both[k] * excess;
             }
         }
-        match factorize(matrix, &[3, 4, 5, 9, 10, 11]).0 {
+        match factorize(matrix, &[3, 4, 5, 9, 10, 11], WALL_PIVOT_THRESHOLD).0 {
             Some(factor) => {
                 let c = factor.solve(&rhs);
                 VelocityFit {

@@ -7,6 +7,8 @@
 //!   is in the water. γ is taken from the kernel's second moment, ½ (Σ V |W'| r + ∫ W n·(r_i − r) ds),
 //!   which equals ∫ W dV by Gauss' theorem and makes the Laplacian of r² exact on a lattice, where the
 //!   Shepard sum is 2 to 4 % off.
+//!   Σ V |W'| r and ∫ W n ds, equal by the same theorem, differ by some per cent on particles: the
+//!   wall's integral is scaled so that a uniform gradient has no Laplacian.
 //! - Gradient and divergence Σ V (f_b − f_a) ∇W with the correction matrix of Randles & Libersky
 //!   (1996), without which a particle on the surface would feel half of its gradient. Walls complete
 //!   the matrix: exact for linear fields at walls, corners and the surface too.
@@ -44,8 +46,8 @@ fn slope(r2: f64) -> f64 {
     5.0 * NORM / (SMOOTHING_LENGTH * SMOOTHING_LENGTH) * p * p * p
 }
 
-/// Weight |W'| / r and row of a neighbour at offset `d`: two entries for the gradient, one for γ
-/// times the Laplacian.
+/// Weight |W'| / r and row of a neighbour at offset `d`: two entries for the gradient, one for the
+/// Laplacian.
 #[inline(always)]
 pub(super) fn value_row(d: Vector2<f64>) -> (f64, [f64; 5]) {
     let r2 = d.norm_squared();
@@ -62,7 +64,7 @@ pub(super) fn wall_row(
     length: f64,
 ) -> (f64, [f64; 5]) {
     let s = distance(d, normal);
-    (part * kernel(d.norm_squared()) * length, [s * normal.x, s * normal.y, -2.0, 0.0, 0.0])
+    (part * kernel(d.norm_squared()) * length, [s * normal.x, s * normal.y, 0.0, -2.0, 0.0])
 }
 
 /// Distance from the wall at offset `d`, 0 behind it.
@@ -77,14 +79,19 @@ pub(super) fn derive(
     rows: &mut Rows,
     wall_excess: impl Fn(&WallRow) -> f64,
 ) -> Derivatives {
+    if rows.too_few() {
+        return Derivatives::default();
+    }
     let mut matrix = Symmetric::<2>::zero();
     let mut moment = 0.0;
+    let (mut missing, mut of_walls) = (Vector2::zeros(), Vector2::zeros());
     let (mut u, mut v) = ([0.0; 2], [0.0; 2]);
     for k in 0..rows.values.len() {
         let (d, jump) = (rows.values.offset(k), rows.values.velocity(k));
         let (weight, row) = value_row(d);
         matrix.add_outer(weight, &[d.x, d.y]);
         moment += weight * 0.5 * row[2] * d.norm_squared();
+        missing += d * (weight * 0.5 * row[2]);
         for (axis, d) in [d.x, d.y].into_iter().enumerate() {
             u[axis] += weight * jump.x * d;
             v[axis] += weight * jump.y * d;
@@ -106,16 +113,11 @@ pub(super) fn derive(
         let weighted = weight * distance(d, wall.normal);
         matrix.add_outer(weighted, &[wall.normal.x, wall.normal.y]);
         moment += weighted;
+        of_walls += wall.normal * weight;
     }
     let gamma = 0.5 * moment;
     let Some(factor) = matrix.factorize(PIVOT_THRESHOLD) else {
-        return Derivatives {
-            pressure: PressureFit::default(),
-            velocity_gradient: Matrix2::zeros(),
-            velocity,
-            diagonal: 0.0,
-            quality: Quality::None,
-        };
+        return Derivatives::default();
     };
     let mut diagonal = 0.0;
     for k in 0..rows.values.len() {
@@ -124,10 +126,12 @@ pub(super) fn derive(
         rows.values.set_coefficient(k, coefficient);
         diagonal += coefficient;
     }
+    let size = of_walls.norm_squared();
+    let walls_scale = if size > 0.0 { missing.dot(&of_walls) / size } else { 0.0 };
     let pressure = PressureFit {
         gradient_x: functional(&factor, [1.0, 0.0]),
         gradient_y: functional(&factor, [0.0, 1.0]),
-        laplacian: [0.0, 0.0, 1.0 / gamma, 0.0, 0.0],
+        laplacian: [0.0, 0.0, 1.0 / gamma, walls_scale / gamma, 0.0],
     };
     Derivatives { pressure, velocity_gradient, velocity, diagonal, quality: Quality::Full }
 }

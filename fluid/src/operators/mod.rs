@@ -114,7 +114,8 @@ fn gather(fields: Fields, i: usize, rows: &mut Rows) {
     }
 }
 
-/// What a discretisation gives around one particle, lengths in spacings.
+/// What a discretisation gives around one particle, lengths in spacings; by default, for a
+/// particle without an equation.
 struct Derivatives {
     pressure: PressureFit,
     /// ∇u: a row for each component of the velocity.
@@ -124,6 +125,18 @@ struct Derivatives {
     /// Sum of the coefficients of the Laplacian, which are left in the rows.
     diagonal: f64,
     quality: Quality,
+}
+
+impl Default for Derivatives {
+    fn default() -> Self {
+        Self {
+            pressure: PressureFit::default(),
+            velocity_gradient: Matrix2::zeros(),
+            velocity: VelocityFit::default(),
+            diagonal: 0.0,
+            quality: Quality::None,
+        }
+    }
 }
 
 #[inline(always)]
