@@ -3,6 +3,7 @@
 mod fit;
 mod krylov;
 mod manufactured;
+mod standing_wave;
 
 /// A number in (−1, 1) that looks random and is the same in every run: the digits of a sine.
 fn scatter(i: i64, j: i64) -> f64 {
