@@ -59,7 +59,8 @@ fn a_grid_is_run_and_its_errors_are_tabulated_and_drawn() {
         assert!(number(row, "error: antinode: period") < 0.2);
         assert!(number(row, "error: volume error, largest") < 0.05);
         assert!(number(row, "wall_time_s") > 0.0);
-        assert!(number(row, "iterations_per_solve") >= 1.0);
+        // A solve whose first guess is good enough takes none.
+        assert!(number(row, "iterations_per_solve") > 0.0);
     }
     assert_eq!(&rows[2][column("numerics.particle_spacing_m")], "0.02");
     assert_eq!(number(&rows[1], "steps"), 2.0 * number(&rows[0], "steps"));
