@@ -15,6 +15,8 @@
 //!
 //! Lengths are in spacings.
 
+#![allow(clippy::needless_range_loop)] // triangles of a matrix read best by index
+
 use super::Derivatives;
 use crate::fields::Fields;
 use crate::fit::{self, PressureFit, Quality, Rows, WallRow};
