@@ -40,6 +40,8 @@ pub(crate) enum Command {
     Mooring(MooringArguments),
     /// List the cases that come with the program
     List,
+    /// Compare the pressure solvers at the sizes of Table 1 of Ma, Zhang, Yan & Li (2024)
+    BenchPressure(BenchPressureArguments),
 }
 
 /// Which case.
@@ -128,6 +130,23 @@ pub(crate) struct BenchArguments {
     /// Threads to use; without it as many as there are processors
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,
+}
+
+/// Which sizes to compare the pressure solvers at.
+#[derive(Debug, Args)]
+pub(crate) struct BenchPressureArguments {
+    /// Rows of Table 1, from 1 to 5: 80,000 to 1,280,000 particles
+    #[arg(long, value_name = "ROWS", value_delimiter = ',', default_values_t = [1])]
+    pub(crate) rows: Vec<usize>,
+    /// Steps that are compared, after 8 that are not
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub(crate) steps: u64,
+    /// Threads to use; without it as many as there are processors
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// A file for the table as CSV
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 /// The command that is run where none is given.

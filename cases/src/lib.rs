@@ -15,6 +15,7 @@ pub mod mooring_job;
 pub mod motion_file;
 pub mod output;
 pub mod plan;
+pub mod pressure_bench;
 pub mod scene;
 pub mod simulation;
 pub mod tally;

@@ -9,7 +9,8 @@ mod report;
 
 use clap::Parser;
 use cli::{
-    BenchArguments, CaseArguments, Cli, Command, MooringArguments, RunArguments, WaveArguments,
+    BenchArguments, BenchPressureArguments, CaseArguments, Cli, Command, MooringArguments,
+    RunArguments, WaveArguments,
 };
 use progress::ProgressDisplay;
 use seakeep::bench;
@@ -18,6 +19,7 @@ use seakeep::job::{self, JobError};
 use seakeep::mooring_job::{self, MooringError};
 use seakeep::output::{directory, summary::Status};
 use seakeep::plan::plan;
+use seakeep::pressure_bench::{self, BenchError};
 use seakeep::theory;
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench(&arguments),
         Command::Mooring(arguments) => mooring(&arguments),
         Command::List => list(),
+        Command::BenchPressure(arguments) => bench_pressure(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -196,6 +199,43 @@ fn list() -> Result<(), Stop> {
         say(&format!("{:<15} {description}\n", known.name));
     }
     Ok(())
+}
+
+fn threads(asked: Option<NonZeroUsize>) -> usize {
+    let threads = asked.or_else(|| std::thread::available_parallelism().ok());
+    threads.map_or(1, NonZeroUsize::get)
+}
+
+fn bench_pressure(arguments: &BenchPressureArguments) -> Result<(), Stop> {
+    let mut rows = Vec::new();
+    say(
+        "row particles D/dx solver           tolerance iterations median_ms least_ms divergence_1/s\n",
+    );
+    for &row in &arguments.rows {
+        let found = pressure_bench::bench(row, arguments.steps, threads(arguments.threads))
+            .map_err(|error| match error {
+                BenchError::Row(_) => refused(error),
+                _ => Stop { message: error.to_string(), code: FAILED },
+            })?;
+        for r in &found {
+            say(&format!(
+                "{:<3} {:>9} {:>4.0} {:<18} {:>7.0e} {:>10.1} {:>9.2} {:>8.2} {:>12.1e}\n",
+                r.row,
+                r.particles,
+                r.depth_over_spacing,
+                r.solver,
+                r.tolerance,
+                r.iterations,
+                r.median_ms,
+                r.least_ms,
+                r.divergence_left_per_s,
+            ));
+        }
+        rows.extend(found);
+    }
+    let Some(path) = &arguments.out else { return Ok(()) };
+    pressure_bench::write(&rows, path)
+        .map_err(|error| Stop { message: error.to_string(), code: FAILED })
 }
 
 fn load(arguments: &CaseArguments) -> Result<Case, Stop> {

@@ -8,8 +8,9 @@ use nalgebra::{Point2, Vector2};
 use seakeep_body::{BodyError, Contacts, Harmonic, MooringLine, PrescribedMotion, TimeSeries};
 use seakeep_coupler::Coupling;
 use seakeep_coupler::interface::BoundaryKinematics;
+use seakeep_fluid::network::Network;
 use seakeep_fluid::setup::{
-    DampingZone, FluidSetup, InitialFlow, Numerics, RigidBoundary, Tank, Water,
+    DampingZone, FluidSetup, InitialFlow, Numerics, PressureSettings, RigidBoundary, Tank, Water,
 };
 use std::f64::consts::PI;
 
@@ -203,6 +204,7 @@ impl Scene {
         motions: Vec<Option<Motion>>,
         lines: Vec<Line>,
         wave: Option<WavePlan>,
+        network: Network,
     ) -> Self {
         let time_step = keys.numerics.time_step_s.unwrap_or_default();
         let mut fluid = FluidSetup {
@@ -229,9 +231,18 @@ impl Scene {
                 discretisation: keys.numerics.discretisation,
                 integrator: keys.numerics.integrator,
                 density_blend: keys.numerics.density_blend,
-                pressure_tolerance: keys.numerics.pressure_tolerance,
-                pressure_max_iterations: keys.numerics.pressure_max_iterations as usize,
             },
+            pressure: PressureSettings {
+                solver: keys.pressure.solver,
+                preconditioner: keys.pressure.preconditioner,
+                start: keys.pressure.start,
+                tolerance: keys.pressure.tolerance,
+                divergence_tolerance: keys.pressure.divergence_tolerance,
+                max_iterations: keys.pressure.max_iterations as usize,
+                guard_tolerance: keys.pressure.guard_tolerance,
+                sweeps: keys.pressure.sweeps,
+            },
+            network,
         };
         let coupling = keys.coupling.coupling();
         let communication_step = time_step * f64::from(coupling.load_substeps);

@@ -289,9 +289,9 @@ fn a_failed_run_keeps_what_it_has_and_says_what_failed() {
         "--out",
         "out",
         "--set",
-        "numerics.pressure_max_iterations=1",
+        "pressure.max_iterations=1",
         "--set",
-        "numerics.pressure_tolerance=1e-12",
+        "pressure.tolerance=1e-12",
     ];
     let output = run(directory.path(), &arguments);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));

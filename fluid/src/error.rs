@@ -43,6 +43,12 @@ pub enum FluidError {
         /// Relative residual asked for.
         tolerance: f64,
     },
+    /// A network's pressure is not finite.
+    #[error("the network's pressure is not finite (residual {residual:.3e})")]
+    NetworkPressure {
+        /// Relative residual.
+        residual: f64,
+    },
     /// A particle has a position or velocity that is not finite, or too many have left the tank or are
     /// faster than any water in it could be.
     #[error(

@@ -14,8 +14,9 @@ use crate::neighbours::{BLOCK, CellGrid};
 use crate::operators;
 use crate::particles::Particles;
 use crate::plan::{Plan, Stage};
+use crate::pressure;
+use crate::pressure::solver::{PressureMemory, PressureReport, PressureSolver};
 use crate::setup::{FluidSetup, InitialFlow, Integrator, StillWater};
-use crate::sparse::Preconditioner;
 use crate::state::{Phase, State, Work};
 use crate::variables::describe;
 use crate::walls::Walls;
@@ -46,7 +47,8 @@ pub struct Fluid {
     pub(crate) response: LoadResponse,
     /// Length of the step that `work` and `response` are solved for, s.
     pub(crate) solved_for: Option<f64>,
-    pub(crate) report: Report,
+    pub(crate) solver: Box<dyn PressureSolver>,
+    pub(crate) report: PressureReport,
     pub(crate) unit_report: Report,
     pub(crate) initial_volume: f64,
     stage_time: [Duration; Stage::ALL.len()],
@@ -105,8 +107,7 @@ impl Fluid {
                 accelerations: vec![0.0; 3 * boundaries],
                 unit_pressure: vec![vec![[0.0; 3]; count]; free.len()],
                 wall_activity: vec![0.0; walls.len()],
-                preconditioner: Preconditioner::default(),
-                factorized_at: None,
+                pressure: PressureMemory::default(),
                 loads: vec![Load::zero(); boundaries],
                 next_identity: count as u32,
                 lost: 0,
@@ -116,7 +117,8 @@ impl Fluid {
             work,
             response: LoadResponse::zero(boundaries),
             solved_for: None,
-            report: Report::default(),
+            solver: pressure::solver(setup.pressure, &setup.network),
+            report: PressureReport::default(),
             unit_report: Report::default(),
             initial_volume: 0.0,
             stage_time: [Duration::ZERO; Stage::ALL.len()],

@@ -1,11 +1,15 @@
 //! Preconditioned BiCGSTAB (van der Vorst 1992) for a few right-hand sides at once.
 //!
 //! The right-hand sides share every pass over matrix and factors but are otherwise independent.
-//! Sums are made over fixed blocks in fixed order.
+//! A product and the sums over it are one pass over memory. Sums are made over fixed blocks in
+//! fixed order.
 
 use crate::neighbours::BLOCK;
-use crate::sparse::{Entry, Preconditioner, SparseMatrix};
+use crate::sparse::{Entry, Preconditioner, SparseMatrix, total};
 use rayon::prelude::*;
+
+/// Blocks that one task treats at least in a pass over vectors.
+const TASK: usize = 8;
 
 /// When to stop, for each right-hand side.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +29,10 @@ pub(crate) struct Report {
     /// Largest residual of the right-hand sides, relative to its stopping value times the
     /// relative tolerance: below that tolerance means converged.
     pub(crate) residual: f64,
+    /// The same of the guess.
+    pub(crate) residual_before: f64,
+    /// Root-mean-square residual of the first right-hand side, in its unit.
+    pub(crate) residual_rms: f64,
     pub(crate) converged: bool,
 }
 
@@ -37,7 +45,14 @@ pub(crate) struct Krylov<const R: usize> {
     v: Vec<Entry<R>>,
     z: Vec<Entry<R>>,
     t: Vec<Entry<R>>,
-    sums: Vec<[Entry<R>; 2]>,
+    sums: Sums<R>,
+}
+
+/// Sums of each block, one or two of them.
+#[derive(Clone, Debug)]
+struct Sums<const R: usize> {
+    one: Vec<[Entry<R>; 1]>,
+    two: Vec<[Entry<R>; 2]>,
 }
 
 impl<const R: usize> Default for Krylov<R> {
@@ -49,46 +64,25 @@ impl<const R: usize> Default for Krylov<R> {
             v: Vec::new(),
             z: Vec::new(),
             t: Vec::new(),
-            sums: Vec::new(),
+            sums: Sums { one: Vec::new(), two: Vec::new() },
         }
     }
 }
 
+#[inline(always)]
 fn quotient<const R: usize>(a: Entry<R>, b: Entry<R>) -> Entry<R> {
     std::array::from_fn(|k| if b[k] == 0.0 { 0.0 } else { a[k] / b[k] })
 }
 
-impl<const R: usize> Krylov<R> {
-    /// Σ a·b and Σ a·c.
-    fn dots(&mut self, which: impl Fn(&Self) -> [&[Entry<R>]; 3]) -> [Entry<R>; 2] {
-        let mut sums = std::mem::take(&mut self.sums);
-        let [a, b, c] = which(self);
-        sums.resize(a.len().div_ceil(BLOCK), [[0.0; R]; 2]);
-        sums.par_iter_mut()
-            .zip(a.par_chunks(BLOCK))
-            .zip(b.par_chunks(BLOCK).zip(c.par_chunks(BLOCK)))
-            .with_min_len(8)
-            .for_each(|((sum, a), (b, c))| {
-                let mut own = [[0.0; R]; 2];
-                for ((a, b), c) in a.iter().zip(b).zip(c) {
-                    for k in 0..R {
-                        own[0][k] += a[k] * b[k];
-                        own[1][k] += a[k] * c[k];
-                    }
-                }
-                *sum = own;
-            });
-        let mut total = [[0.0; R]; 2];
-        for sum in &sums {
-            for k in 0..R {
-                total[0][k] += sum[0][k];
-                total[1][k] += sum[1][k];
-            }
-        }
-        self.sums = sums;
-        total
+/// sum += a b.
+#[inline(always)]
+fn add_product<const R: usize>(sum: &mut Entry<R>, a: Entry<R>, b: Entry<R>) {
+    for k in 0..R {
+        sum[k] += a[k] * b[k];
     }
+}
 
+impl<const R: usize> Krylov<R> {
     /// Solves A x = b from the guess in `x`.
     pub(crate) fn solve(
         &mut self,
@@ -105,8 +99,14 @@ impl<const R: usize> Krylov<R> {
             vector.resize(n, [0.0; R]);
         }
         let floor = stop.absolute * stop.absolute * n as f64;
-        self.t.copy_from_slice(b);
-        let [b2, _] = self.dots(|s| [&s.t, &s.t, &s.t]);
+        let sums = &mut self.sums.one;
+        sums.resize(n.div_ceil(BLOCK), [[0.0; R]]);
+        sums.par_iter_mut().zip(b.par_chunks(BLOCK)).with_min_len(TASK).for_each(|(sum, b)| {
+            let mut own = [0.0; R];
+            b.iter().for_each(|b| add_product(&mut own, *b, *b));
+            *sum = [own];
+        });
+        let [b2] = total(sums);
         // No tolerance relative to zero can be met from a guess that is not.
         for k in (0..R).filter(|&k| b2[k] == 0.0) {
             x.iter_mut().for_each(|x| x[k] = 0.0);
@@ -117,15 +117,16 @@ impl<const R: usize> Krylov<R> {
         // Rounding makes the recursive residual drift from the true one: restart from the true
         // residual until that meets the goal.
         loop {
-            matrix.multiply(x, &mut self.r);
-            for (r, b) in self.r.iter_mut().zip(b) {
-                for k in 0..R {
-                    r[k] = b[k] - r[k];
-                }
-            }
-            let [r2, _] = self.dots(|s| [&s.r, &s.r, &s.r]);
+            let [r2] = matrix.multiply(x, &mut self.r, &mut self.sums.one, |i, r, [sum]| {
+                *r = std::array::from_fn(|k| b[i][k] - r[k]);
+                add_product(sum, *r, *r);
+            });
             let excess = (0..R).map(|k| (r2[k] / goal[k]).sqrt()).fold(0.0, f64::max);
             report.residual = excess * stop.relative;
+            report.residual_rms = (r2[0] / n as f64).sqrt();
+            if report.iterations == 0 {
+                report.residual_before = report.residual;
+            }
             report.converged = excess <= 1.0;
             if report.converged || report.iterations >= stop.iterations || !excess.is_finite() {
                 return report;
@@ -150,24 +151,38 @@ impl<const R: usize> Krylov<R> {
         stop: Stop,
         report: &mut Report,
     ) {
-        self.shadow.copy_from_slice(&self.r);
-        self.p.copy_from_slice(&self.r);
+        let Self { r, shadow, p, v, z, t, sums } = self;
+        shadow.copy_from_slice(r);
+        p.copy_from_slice(r);
         let mut rho = r2;
         while report.iterations < stop.iterations {
             report.iterations += 1;
-            preconditioner.apply(&self.p, &mut self.z);
-            matrix.multiply(&self.z, &mut self.v);
-            let [shadow_v, _] = self.dots(|s| [&s.shadow, &s.v, &s.v]);
+            preconditioner.apply(p, z);
+            let [shadow_v] = matrix.multiply(z, v, &mut sums.one, |i, v, [sum]| {
+                add_product(sum, shadow[i], *v);
+            });
             let alpha = quotient(rho, shadow_v);
-            update(x, &self.z, alpha);
-            update(&mut self.r, &self.v, alpha.map(|a| -a));
-            preconditioner.apply(&self.r, &mut self.z);
-            matrix.multiply(&self.z, &mut self.t);
-            let [tr, tt] = self.dots(|s| [&s.t, &s.r, &s.t]);
+            step(x, z, alpha, r, v);
+            preconditioner.apply(r, z);
+            let [tr, tt] = matrix.multiply(z, t, &mut sums.two, |i, t, [tr, tt]| {
+                add_product(tr, *t, r[i]);
+                add_product(tt, *t, *t);
+            });
             let omega = quotient(tr, tt);
-            update(x, &self.z, omega);
-            update(&mut self.r, &self.t, omega.map(|o| -o));
-            let [r2, next] = self.dots(|s| [&s.r, &s.r, &s.shadow]);
+            step(x, z, omega, r, t);
+            sums.two
+                .par_iter_mut()
+                .zip(r.par_chunks(BLOCK).zip(shadow.par_chunks(BLOCK)))
+                .with_min_len(TASK)
+                .for_each(|(sum, (r, shadow))| {
+                    let mut own = [[0.0; R]; 2];
+                    for (r, shadow) in r.iter().zip(shadow) {
+                        add_product(&mut own[0], *r, *r);
+                        add_product(&mut own[1], *r, *shadow);
+                    }
+                    *sum = own;
+                });
+            let [r2, next] = total(&sums.two);
             if (0..R).all(|k| r2[k] <= goal[k]) {
                 return;
             }
@@ -179,11 +194,9 @@ impl<const R: usize> Krylov<R> {
                 return;
             }
             rho = next;
-            let (r, v) = (&self.r, &self.v);
-            self.p
-                .par_chunks_mut(BLOCK)
+            p.par_chunks_mut(BLOCK)
                 .zip(r.par_chunks(BLOCK).zip(v.par_chunks(BLOCK)))
-                .with_min_len(8)
+                .with_min_len(TASK)
                 .for_each(|(p, (r, v))| {
                     for ((p, r), v) in p.iter_mut().zip(r).zip(v) {
                         for k in 0..R {
@@ -195,13 +208,24 @@ impl<const R: usize> Krylov<R> {
     }
 }
 
-/// y += a x.
-fn update<const R: usize>(y: &mut [Entry<R>], x: &[Entry<R>], a: Entry<R>) {
-    y.par_chunks_mut(BLOCK).zip(x.par_chunks(BLOCK)).with_min_len(8).for_each(|(y, x)| {
-        for (y, x) in y.iter_mut().zip(x) {
-            for k in 0..R {
-                y[k] += a[k] * x[k];
+/// x += a z and r −= a v.
+fn step<const R: usize>(
+    x: &mut [Entry<R>],
+    z: &[Entry<R>],
+    a: Entry<R>,
+    r: &mut [Entry<R>],
+    v: &[Entry<R>],
+) {
+    x.par_chunks_mut(BLOCK)
+        .zip(z.par_chunks(BLOCK))
+        .zip(r.par_chunks_mut(BLOCK).zip(v.par_chunks(BLOCK)))
+        .with_min_len(TASK)
+        .for_each(|((x, z), (r, v))| {
+            for ((x, z), (r, v)) in x.iter_mut().zip(z).zip(r.iter_mut().zip(v)) {
+                for k in 0..R {
+                    x[k] += a[k] * z[k];
+                    r[k] -= a[k] * v[k];
+                }
             }
-        }
-    });
+        });
 }

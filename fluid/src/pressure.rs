@@ -1,16 +1,26 @@
 //! The pressure stages: Eq. (9b) and the pressure of unit accelerations.
 
+mod network;
+mod poisson;
+pub(crate) mod solver;
+
 use crate::error::FluidError;
 use crate::fit;
 use crate::fluid::Fluid;
-use crate::krylov::{Report, Stop};
+use crate::krylov::Stop;
 use crate::neighbours::BLOCK;
+use crate::network::Network;
 use crate::operators::{self, Local};
+use crate::sparse::Preconditioner;
 use crate::walls::Owner;
+use network::NetworkSolver;
+use poisson::{Poisson, require_convergence};
 use rayon::prelude::*;
+use solver::{
+    PreconditionerKind, PressureReport, PressureSettings, PressureSolver, Problem, SolverKind,
+    Start,
+};
 
-/// Steps between two factorizations of the preconditioner.
-const FACTORS_LAST: u64 = 8;
 /// Tolerance of the pressure of unit accelerations, in pressure tolerances.
 const UNIT_TOLERANCE: f64 = 10.0;
 /// Largest relative volume error that Eq. (9b) feeds back.
@@ -54,18 +64,10 @@ impl Fluid {
         parts.sum()
     }
 
-    fn factorize_if_due(&mut self) {
-        let age = self.state.factorized_at.map(|step| self.state.step - step);
-        if age.is_none_or(|age| age >= FACTORS_LAST) {
-            self.state.preconditioner.factorize(&self.work.matrix, self.state.particles.len());
-            self.state.factorized_at = Some(self.state.step);
-        }
-    }
-
     /// Solves ∇²p_k = 0, n·∇p_k = −ρ n_k on each free boundary, p_k = 0 on the surface, for unit
     /// accelerations k: the pressure is then p = p_0 + Σ a_k p_k with no iteration.
     pub(crate) fn added_mass_pressure(&mut self) -> Result<(), FluidError> {
-        self.factorize_if_due();
+        let settings = self.setup.pressure;
         for slot in 0..self.free.len() {
             let boundary = self.free[slot];
             let mut rhs = std::mem::take(&mut self.work.unit_rhs);
@@ -94,44 +96,42 @@ impl Fluid {
                 }
             });
             let mut solution = std::mem::take(&mut self.work.unit_solution[slot]);
-            solution.copy_from_slice(&self.state.unit_pressure[slot]);
+            match settings.start {
+                Start::Warm | Start::Given => {
+                    solution.copy_from_slice(&self.state.unit_pressure[slot])
+                }
+                Start::Cold => solution.fill([0.0; 3]),
+            }
             clear_rows(&mut solution, &self.work.on_surface, &self.work.locals);
             // Its error enters times the acceleration, and the next step starts from it.
-            let mut stop = self.stop(0.0);
+            let mut stop = self.stop(&settings, f64::INFINITY);
             stop.relative *= if self.state.step == 0 { 1e-2 } else { UNIT_TOLERANCE };
-            let report = self.work.unit_krylov.solve(
-                &self.work.matrix,
-                &mut self.state.preconditioner,
-                &rhs,
-                &mut solution,
-                stop,
-            );
+            let mut diagonal = Preconditioner::default();
+            let preconditioner = match settings.preconditioner {
+                PreconditionerKind::Milu => {
+                    self.state.pressure.preconditioner(&self.work.matrix, self.state.step)
+                }
+                PreconditionerKind::Diagonal => &mut diagonal,
+            };
+            let krylov = &mut self.work.unit_krylov;
+            let report = krylov.solve(&self.work.matrix, preconditioner, &rhs, &mut solution, stop);
             self.work.unit_rhs = rhs;
             self.work.unit_solution[slot] = solution;
             self.unit_report = report;
-            self.require_convergence(report)?;
+            require_convergence(report, stop)?;
         }
         Ok(())
     }
 
-    fn stop(&self, absolute: f64) -> Stop {
-        let numerics = &self.setup.numerics;
+    /// When a solve ends whose residual of 1 Pa is worth `divergence_per_residual` (1/s).
+    fn stop(&self, settings: &PressureSettings, divergence_per_residual: f64) -> Stop {
+        let water = &self.setup.water;
+        let divergence = settings.divergence_tolerance * (water.gravity / water.depth).sqrt();
         Stop {
-            relative: numerics.pressure_tolerance,
-            absolute,
-            iterations: numerics.pressure_max_iterations,
+            relative: settings.tolerance,
+            absolute: divergence / divergence_per_residual,
+            iterations: settings.max_iterations,
         }
-    }
-
-    fn require_convergence(&self, report: Report) -> Result<(), FluidError> {
-        if report.converged {
-            return Ok(());
-        }
-        Err(FluidError::PressureNotConverged {
-            residual: report.residual,
-            iterations: report.iterations,
-            tolerance: self.setup.numerics.pressure_tolerance,
-        })
     }
 
     /// (ρ − ρ*)/ρ of Eq. (9b), with ρ* the mean density: the mass over the volume that the
@@ -151,7 +151,6 @@ impl Fluid {
 
     /// Solves Eq. (9b) for p_0, the pressure with every free boundary unaccelerated.
     pub(crate) fn pressure(&mut self, h: f64) -> Result<(), FluidError> {
-        self.factorize_if_due();
         let (water, numerics) = (self.setup.water, self.setup.numerics);
         let alpha = numerics.density_blend;
         let square = numerics.particle_spacing.powi(2);
@@ -178,26 +177,92 @@ impl Fluid {
                     rhs[0] = (fit::dot(&local.pressure.laplacian, &walls) - square * psi / h)
                         / local.diagonal
                         + operators::dirichlet(fields, i, local, |j| this.surface_pressure(j));
-                    // Guess: the last pressure carried on, less the part of the accelerations.
-                    let units = this.reaction_pressure(i);
-                    solution[0] = particles.pressure[i] + particles.pressure_change[i] - units;
+                    // The last pressure, less the part of the accelerations.
+                    solution[0] = particles.pressure[i] - this.reaction_pressure(i);
                 }
             },
         );
-        // A residual below this leaves a divergence below 1e-7 sqrt(g/D).
-        let floor = 1e-7 * square * water.density / h * (water.gravity / water.depth).sqrt();
-        let stop = self.stop(floor);
-        self.report = self.work.krylov.solve(
-            &self.work.matrix,
-            &mut self.state.preconditioner,
-            &rhs,
-            &mut solution,
-            stop,
-        );
         self.work.rhs = rhs;
         self.work.solution = solution;
-        self.require_convergence(self.report)
+        self.report = self.solve_assembled(h, None)?;
+        Ok(())
     }
+
+    /// Solves the assembled equation from the start in `work.solution` with `solver`, or the
+    /// fluid's own.
+    fn solve_assembled(
+        &mut self,
+        h: f64,
+        solver: Option<(&mut dyn PressureSolver, Stop)>,
+    ) -> Result<PressureReport, FluidError> {
+        let divergence_per_residual = self.divergence_per_residual(h);
+        let own_stop = self.stop(&self.setup.pressure, divergence_per_residual);
+        let (solver, stop) = solver.unwrap_or((&mut *self.solver, own_stop));
+        let mut solution = std::mem::take(&mut self.work.solution);
+        let fields = Self::fields(&self.setup, &self.state.particles, &self.walls, &self.work);
+        let report = solver.solve(Problem {
+            matrix: &self.work.matrix,
+            rhs: &self.work.rhs,
+            pressure: &mut solution,
+            change: &self.state.particles.pressure_change,
+            fields,
+            step: self.state.step,
+            stop,
+            divergence_per_residual,
+            memory: &mut self.state.pressure,
+        });
+        self.work.solution = solution;
+        report
+    }
+
+    fn divergence_per_residual(&self, h: f64) -> f64 {
+        let square = self.setup.numerics.particle_spacing.powi(2);
+        mean_diagonal(&self.work.locals) * h / (self.setup.water.density * square)
+    }
+
+    /// Solves the pressure equation of the step of `h` (s) that is solved but not yet completed
+    /// once more, as `settings` ask, and puts the first solution back: a comparison of solvers on
+    /// the same equation. `None` where no step is solved.
+    ///
+    /// # Errors
+    /// [`FluidError::PressureNotConverged`].
+    pub fn try_pressure(
+        &mut self,
+        settings: PressureSettings,
+    ) -> Result<Option<PressureReport>, FluidError> {
+        let Some(h) = self.solved_for else { return Ok(None) };
+        let mut start = vec![[0.0]; self.work.solution.len()];
+        for (i, start) in start.iter_mut().enumerate() {
+            if !self.work.on_surface[i] && self.work.locals[i].diagonal > 0.0 {
+                start[0] = self.state.particles.pressure[i] - self.reaction_pressure(i);
+            }
+        }
+        let found = std::mem::replace(&mut self.work.solution, start);
+        let memory = self.state.pressure.clone();
+        let mut other = solver(settings, &self.setup.network);
+        let stop = self.stop(&settings, self.divergence_per_residual(h));
+        let report = self.solve_assembled(h, Some((&mut *other, stop)));
+        self.work.solution = found;
+        self.state.pressure = memory;
+        report.map(Some)
+    }
+}
+
+/// The solver that `settings` ask for.
+pub(crate) fn solver(settings: PressureSettings, network: &Network) -> Box<dyn PressureSolver> {
+    match settings.solver {
+        SolverKind::Ppe => Box::new(Poisson::new(settings)),
+        SolverKind::Network => Box::new(NetworkSolver::new(network.clone(), settings, false)),
+        SolverKind::Guarded => Box::new(NetworkSolver::new(network.clone(), settings, true)),
+    }
+}
+
+/// Mean diagonal of the rows before they were scaled by it, from a sample of them.
+fn mean_diagonal(locals: &[Local]) -> f64 {
+    const EVERY: usize = 97;
+    let sample = locals.iter().step_by(EVERY).map(|local| local.diagonal).filter(|d| *d > 0.0);
+    let (sum, count) = sample.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0));
+    if count > 0.0 { sum / count } else { 1.0 }
 }
 
 /// Zeroes the rows of the surface and of particles without an equation.

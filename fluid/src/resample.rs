@@ -184,7 +184,7 @@ impl Fluid {
             permute(unit, order, &mut work.scratch_units);
         }
         // The factors belong to the old numbering.
-        self.state.factorized_at = None;
+        self.state.pressure.forget();
         self.work.resize(self.state.particles.len());
     }
 }

@@ -2,6 +2,8 @@
 
 use crate::error::FluidError;
 use crate::geometry::{crosses_itself, placed, signed_area};
+use crate::network::Network;
+pub use crate::pressure::solver::{PreconditionerKind, PressureSettings, SolverKind, Start};
 use nalgebra::{Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +20,10 @@ pub struct FluidSetup {
     pub damping_zones: Vec<DampingZone>,
     /// Numerical parameters.
     pub numerics: Numerics,
+    /// How the pressure is found.
+    pub pressure: PressureSettings,
+    /// The network, where one finds the pressure.
+    pub network: Network,
 }
 
 /// A rectangular tank, from x = 0.
@@ -141,10 +147,6 @@ pub struct Numerics {
     pub integrator: Integrator,
     /// Blending coefficient α of Eq. (9b).
     pub density_blend: f64,
-    /// Stop of the pressure solve: residual relative to the right-hand side.
-    pub pressure_tolerance: f64,
-    /// Iterations after which the pressure solve has failed.
-    pub pressure_max_iterations: usize,
 }
 
 impl FluidSetup {
@@ -169,7 +171,8 @@ impl FluidSetup {
             ("particle spacing", self.numerics.particle_spacing, false),
             ("time step", self.numerics.time_step, false),
             ("density blend", self.numerics.density_blend, true),
-            ("pressure tolerance", self.numerics.pressure_tolerance, false),
+            ("pressure tolerance", self.pressure.tolerance, false),
+            ("divergence tolerance", self.pressure.divergence_tolerance, true),
         ] {
             if !(value.is_finite() && (value > 0.0 || (may_be_zero && value == 0.0))) {
                 let allowed = if may_be_zero { not_negative } else { positive };

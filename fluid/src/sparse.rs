@@ -7,71 +7,137 @@ use serde::{Deserialize, Serialize};
 /// A few right-hand sides that are solved together, one entry each.
 pub(crate) type Entry<const R: usize> = [f64; R];
 
-/// Off-diagonal entries of a block of rows; the diagonal is one.
+/// A block of rows: off-diagonal entries in single precision. What their rounding takes from a
+/// row's sum goes to its diagonal, so that a constant vector is treated as exactly as in double
+/// precision and the rounding acts on differences between neighbours alone.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowBlock {
     start: Vec<u32>,
-    entries: Vec<(u32, f64)>,
+    column: Vec<u32>,
+    value: Vec<f32>,
+    diagonal: Vec<f64>,
+    lost: f64,
 }
 
 impl RowBlock {
     pub(crate) fn clear(&mut self) {
         self.start.clear();
         self.start.push(0);
-        self.entries.clear();
+        self.column.clear();
+        self.value.clear();
+        self.diagonal.clear();
+        self.lost = 0.0;
     }
 
     #[inline(always)]
     pub(crate) fn push(&mut self, column: u32, value: f64) {
-        self.entries.push((column, value));
+        let rounded = value as f32;
+        self.column.push(column);
+        self.value.push(rounded);
+        self.lost += value - f64::from(rounded);
     }
 
     #[inline(always)]
     pub(crate) fn end_row(&mut self) {
-        self.start.push(self.entries.len() as u32);
+        self.start.push(self.column.len() as u32);
+        self.diagonal.push(1.0 + self.lost);
+        self.lost = 0.0;
     }
 
+    /// Columns and values of the off-diagonal entries of row `local`.
     #[inline(always)]
-    fn row(&self, local: usize) -> &[(u32, f64)] {
-        &self.entries[self.start[local] as usize..self.start[local + 1] as usize]
+    fn row(&self, local: usize) -> (&[u32], &[f32]) {
+        let range = self.start[local] as usize..self.start[local + 1] as usize;
+        (&self.column[range.clone()], &self.value[range])
+    }
+
+    /// Product of row `local`, row `own` of the matrix, with `x`.
+    #[inline(always)]
+    fn times<const R: usize>(&self, local: usize, own: usize, x: &[Entry<R>]) -> Entry<R> {
+        let mut sum = x[own].map(|x| x * self.diagonal[local]);
+        let (columns, values) = self.row(local);
+        for (&column, &value) in columns.iter().zip(values) {
+            let x = &x[column as usize];
+            for r in 0..R {
+                sum[r] += f64::from(value) * x[r];
+            }
+        }
+        sum
     }
 }
 
-/// A square matrix I + (entries).
+/// A square matrix with a diagonal of one (up to rounding, see [`RowBlock`]).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SparseMatrix {
     pub(crate) blocks: Vec<RowBlock>,
 }
 
 impl SparseMatrix {
+    /// Columns and values of the off-diagonal entries of row `i`.
     #[inline(always)]
-    fn row(&self, i: usize) -> &[(u32, f64)] {
+    pub(crate) fn row(&self, i: usize) -> (&[u32], &[f32]) {
         self.blocks[i / BLOCK].row(i % BLOCK)
     }
 
-    /// y = A x, and for each block of rows the sums that `also` makes of y and the row's index.
-    pub(crate) fn multiply<const R: usize>(&self, x: &[Entry<R>], y: &mut [Entry<R>]) {
-        self.blocks.par_iter().zip(y.par_chunks_mut(BLOCK)).enumerate().for_each(
-            |(block, (rows, y))| {
-                for (local, y) in y.iter_mut().enumerate() {
-                    let mut sum = x[block * BLOCK + local];
-                    for &(column, value) in rows.row(local) {
-                        let x = &x[column as usize];
-                        for r in 0..R {
-                            sum[r] += value * x[r];
-                        }
-                    }
-                    *y = sum;
-                }
-            },
-        );
+    /// Product of row `i` with `x`, in single precision.
+    #[inline(always)]
+    pub(crate) fn times_single(&self, i: usize, x: &[f32]) -> f32 {
+        let (columns, values) = self.row(i);
+        let sum: f32 = columns.iter().zip(values).map(|(&j, &value)| value * x[j as usize]).sum();
+        x[i] + sum
     }
+
+    /// Number of rows.
+    pub(crate) fn rows(&self) -> usize {
+        self.blocks.iter().map(|block| block.diagonal.len()).sum()
+    }
+
+    /// Calls `visit` for every entry y_i = (A x)_i, and returns its sums of each block, added up
+    /// in order.
+    pub(crate) fn multiply<const R: usize, const S: usize>(
+        &self,
+        x: &[Entry<R>],
+        y: &mut [Entry<R>],
+        sums: &mut Vec<[Entry<R>; S]>,
+        visit: impl Fn(usize, &mut Entry<R>, &mut [Entry<R>; S]) + Sync,
+    ) -> [Entry<R>; S] {
+        sums.resize(self.blocks.len(), [[0.0; R]; S]);
+        self.blocks
+            .par_iter()
+            .zip(y.par_chunks_mut(BLOCK).zip(sums.par_iter_mut()))
+            .with_min_len(4)
+            .enumerate()
+            .for_each(|(block, (rows, (y, sum)))| {
+                let mut own = [[0.0; R]; S];
+                for (local, y) in y.iter_mut().enumerate() {
+                    let i = block * BLOCK + local;
+                    *y = rows.times(local, i, x);
+                    visit(i, y, &mut own);
+                }
+                *sum = own;
+            });
+        total(sums)
+    }
+}
+
+/// Sums of blocks added up in their order.
+pub(crate) fn total<const R: usize, const S: usize>(sums: &[[Entry<R>; S]]) -> [Entry<R>; S] {
+    let mut total = [[0.0; R]; S];
+    for sum in sums {
+        for (total, sum) in total.iter_mut().zip(sum) {
+            for r in 0..R {
+                total[r] += sum[r];
+            }
+        }
+    }
+    total
 }
 
 /// Part of what incomplete factorization drops that is added to the diagonal (MILU).
 const DROPPED_TO_DIAGONAL: f64 = 0.95;
 
-/// Rows that one slab owns, and rows that it shares with each neighbour.
+/// Rows that one slab owns, and rows that it shares with each neighbour. Together they fit the
+/// 16 bits of a local column.
 const SLAB_ROWS: usize = 6144;
 const SLAB_OVERLAP: usize = 512;
 
@@ -93,7 +159,7 @@ struct Slab {
     own_last: usize,
     start: Vec<u32>,
     /// Local column and factor, sorted by column; strictly lower, then strictly upper.
-    column: Vec<u32>,
+    column: Vec<u16>,
     value: Vec<f32>,
     /// First upper entry of each row.
     upper: Vec<u32>,
@@ -104,7 +170,7 @@ struct Slab {
     #[serde(skip)]
     place: Vec<u32>,
     #[serde(skip)]
-    row: Vec<(u32, f64)>,
+    row: Vec<(u16, f64)>,
     #[serde(skip)]
     work: Vec<f64>,
 }
@@ -125,8 +191,12 @@ impl Preconditioner {
         });
     }
 
-    /// z ≈ A⁻¹ r.
+    /// z ≈ A⁻¹ r; z = r before anything was factorized, which is the diagonal preconditioner.
     pub(crate) fn apply<const R: usize>(&mut self, r: &[Entry<R>], z: &mut [Entry<R>]) {
+        if self.slabs.is_empty() {
+            z.copy_from_slice(r);
+            return;
+        }
         let own = self.slabs.first().map_or(1, |slab| slab.own_last - slab.own_first).max(1);
         self.slabs.par_iter_mut().zip(z.par_chunks_mut(own)).for_each(|(slab, z)| slab.apply(r, z));
     }
@@ -148,7 +218,7 @@ impl Slab {
         self.value.clear();
         self.upper.clear();
         self.inverse_diagonal.clear();
-        let n = rows.len();
+        let (n, first) = (rows.len(), rows.start as u32);
         const ABSENT: u32 = u32::MAX;
         let (mut place, mut sorted, mut work) = (
             std::mem::take(&mut self.place),
@@ -159,12 +229,13 @@ impl Slab {
         place.resize(n, ABSENT);
         for i in 0..n {
             sorted.clear();
+            let (columns, values) = matrix.row(i + rows.start);
             sorted.extend(
-                matrix
-                    .row(i + rows.start)
+                columns
                     .iter()
-                    .filter(|(column, _)| rows.contains(&(*column as usize)))
-                    .map(|&(column, value)| (column - rows.start as u32, value)),
+                    .zip(values)
+                    .filter(|(column, _)| rows.contains(&(**column as usize)))
+                    .map(|(&column, &value)| ((column - first) as u16, f64::from(value))),
             );
             sorted.sort_unstable_by_key(|&(column, _)| column);
             let begin = self.column.len();

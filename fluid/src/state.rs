@@ -5,7 +5,8 @@ use crate::loads::PointPressure;
 use crate::neighbours::{CellGrid, Neighbours};
 use crate::operators::{Local, Scratch};
 use crate::particles::Particles;
-use crate::sparse::{Preconditioner, SparseMatrix};
+use crate::pressure::solver::PressureMemory;
+use crate::sparse::SparseMatrix;
 use nalgebra::{Point2, Vector2};
 use seakeep_coupler::interface::{BoundaryKinematics, Load};
 use serde::{Deserialize, Serialize};
@@ -46,8 +47,7 @@ pub(crate) struct State {
     /// Pressure of unit accelerations of each free boundary, Pa per m/s² and rad/s².
     pub(crate) unit_pressure: Vec<Vec<[f64; 3]>>,
     pub(crate) wall_activity: Vec<f64>,
-    pub(crate) preconditioner: Preconditioner,
-    pub(crate) factorized_at: Option<u64>,
+    pub(crate) pressure: PressureMemory,
     pub(crate) loads: Vec<Load>,
 }
 
@@ -69,7 +69,6 @@ pub(crate) struct Work {
     pub(crate) solution: Vec<[f64; 1]>,
     pub(crate) unit_rhs: Vec<[f64; 3]>,
     pub(crate) unit_solution: Vec<Vec<[f64; 3]>>,
-    pub(crate) krylov: Krylov<1>,
     pub(crate) unit_krylov: Krylov<3>,
     pub(crate) wall_pressure: Vec<PointPressure>,
     /// Dynamic pressure of the step, Pa.

@@ -10,8 +10,9 @@
 use nalgebra::{Point2, Vector2};
 use seakeep_coupler::interface::{Component, LoadComponent};
 use seakeep_fluid::Fluid;
+use seakeep_fluid::network::Network;
 use seakeep_fluid::setup::{
-    Discretisation, FluidSetup, Integrator, Numerics, RigidBoundary, Tank, Water,
+    Discretisation, FluidSetup, Integrator, Numerics, PressureSettings, RigidBoundary, Tank, Water,
 };
 use std::f64::consts::PI;
 
@@ -48,9 +49,9 @@ fn found(spacing: f64) -> f64 {
             discretisation: Discretisation::Quadratic,
             integrator: Integrator::Midpoint,
             density_blend: 0.01,
-            pressure_tolerance: 1e-8,
-            pressure_max_iterations: 500,
         },
+        pressure: PressureSettings { tolerance: 1e-8, ..PressureSettings::default() },
+        network: Network::shipped().unwrap(),
     };
     let mut fluid = Fluid::new(setup).unwrap();
     fluid.enter_initialization_mode(0.0).unwrap();

@@ -136,9 +136,14 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
     }
     check.number("numerics.density_blend", numerics.density_blend, Allowed::from(0.0, 1.0));
     let allowed = Allowed::from(1e-14, 0.1);
-    check.number("numerics.pressure_tolerance", numerics.pressure_tolerance, allowed);
-    let iterations = f64::from(numerics.pressure_max_iterations);
-    check.number("numerics.pressure_max_iterations", iterations, Allowed::from(1.0, 1e6));
+    check.number("pressure.tolerance", keys.pressure.tolerance, allowed);
+    let divergence = keys.pressure.divergence_tolerance;
+    check.number("pressure.divergence_tolerance", divergence, Allowed::from(0.0, 0.01));
+    let guard = keys.pressure.guard_tolerance;
+    check.number("pressure.guard_tolerance", guard, Allowed::above(0.0, 1.0));
+    check.number("pressure.sweeps", f64::from(keys.pressure.sweeps), Allowed::from(0.0, 100.0));
+    let iterations = f64::from(keys.pressure.max_iterations);
+    check.number("pressure.max_iterations", iterations, Allowed::from(1.0, 1e6));
     keys.coupling.check(&mut check);
     let step = numerics.time_step_s.unwrap_or(super::resolve::default_time_step(spacing));
     let allowed = if step > 0.0 { Allowed::above(0.0, MAX_STEPS * step) } else { POSITIVE };

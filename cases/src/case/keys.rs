@@ -6,8 +6,11 @@ use super::body_keys::{BodyKeys, ContactKeys};
 use super::coupling::CouplingKeys;
 use super::mooring_keys::MooringKeys;
 use super::wave_keys::{InitialWaveKeys, WaveKeys, WavemakerKeys};
-use seakeep_fluid::setup::{Discretisation, Integrator};
+use seakeep_fluid::setup::{
+    Discretisation, Integrator, PreconditionerKind, PressureSettings, SolverKind, Start,
+};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// A case file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +27,9 @@ pub struct CaseKeys {
     pub water: WaterKeys,
     /// Resolution and solver.
     pub numerics: NumericsKeys,
+    /// How the pressure is found.
+    #[serde(default)]
+    pub pressure: PressureKeys,
     /// The wave.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wave: Option<WaveKeys>,
@@ -120,12 +126,49 @@ pub struct NumericsKeys {
     /// Blending coefficient α of Eq. (9b).
     #[serde(default = "default_density_blend")]
     pub density_blend: f64,
-    /// Residual at which the pressure solve stops, relative to the right-hand side.
-    #[serde(default = "default_pressure_tolerance")]
-    pub pressure_tolerance: f64,
-    /// Iterations after which the pressure solve has failed.
-    #[serde(default = "default_pressure_max_iterations")]
-    pub pressure_max_iterations: u32,
+}
+
+/// `[pressure]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
+pub struct PressureKeys {
+    /// What finds the pressure.
+    pub solver: SolverKind,
+    /// Preconditioner of the pressure Poisson equation.
+    pub preconditioner: PreconditionerKind,
+    /// What the pressure Poisson equation starts from.
+    pub start: Start,
+    /// Residual at which a solve stops, relative to the right-hand side.
+    pub tolerance: f64,
+    /// Root-mean-square divergence left at which a solve stops in any case, in units of √(g/D).
+    pub divergence_tolerance: f64,
+    /// Iterations after which a solve has failed.
+    pub max_iterations: u32,
+    /// Residual relative to the right-hand side above which a guarded network's step goes on with
+    /// the pressure Poisson equation.
+    pub guard_tolerance: f64,
+    /// Damped Jacobi sweeps after a network.
+    pub sweeps: u32,
+    /// Weights file of the network; without it the one that comes with the program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weights: Option<PathBuf>,
+}
+
+impl Default for PressureKeys {
+    fn default() -> Self {
+        let settings = PressureSettings::default();
+        Self {
+            solver: settings.solver,
+            preconditioner: settings.preconditioner,
+            start: settings.start,
+            tolerance: settings.tolerance,
+            divergence_tolerance: settings.divergence_tolerance,
+            max_iterations: settings.max_iterations as u32,
+            guard_tolerance: settings.guard_tolerance,
+            sweeps: settings.sweeps,
+            weights: None,
+        }
+    }
 }
 
 /// `[output]`
@@ -237,14 +280,6 @@ fn default_gravity() -> f64 {
 
 fn default_density_blend() -> f64 {
     0.01
-}
-
-fn default_pressure_tolerance() -> f64 {
-    1e-3
-}
-
-fn default_pressure_max_iterations() -> u32 {
-    500
 }
 
 /// Whether a value need not be written.

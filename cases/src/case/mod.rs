@@ -26,8 +26,8 @@ pub use body_keys::{
 };
 pub use coupling::{AccelerationName, CouplingKeys, ExtrapolationName, SchemeName};
 pub use keys::{
-    CaseKeys, DampingZoneKeys, GaugeKeys, NumericsKeys, OutputKeys, ProbeKeys, StandingWaveKeys,
-    TableName, TankKeys, WaterKeys,
+    CaseKeys, DampingZoneKeys, GaugeKeys, NumericsKeys, OutputKeys, PressureKeys, ProbeKeys,
+    StandingWaveKeys, TableName, TankKeys, WaterKeys,
 };
 pub use library::{LibraryCase, library};
 pub use mooring_keys::{LineKind, MooringKeys};
@@ -36,6 +36,7 @@ pub use wave_keys::{
 };
 
 use crate::scene::Scene;
+use seakeep_fluid::network::{Network, NetworkError};
 use source::Source;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -94,9 +95,34 @@ pub enum CaseError {
         /// Why.
         source: std::io::Error,
     },
+    /// A weights file that is none, or not for the network.
+    #[error("{}: {source}", .path.display())]
+    Network {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: NetworkError,
+    },
     /// The case asks for something that cannot be: all that is wrong, a line each.
     #[error("{}", .0.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
     Invalid(Vec<Problem>),
+}
+
+/// The network in the weights file `path`, or the one that comes with the program.
+///
+/// # Errors
+/// [`CaseError::Read`] and [`CaseError::Network`].
+pub fn network(path: Option<&Path>) -> Result<Network, CaseError> {
+    let read = match path {
+        None => Network::shipped(),
+        Some(path) => {
+            let bytes = std::fs::read(path)
+                .map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+            Network::from_bytes(&bytes)
+        }
+    };
+    let path = || path.map_or_else(|| "the program's weights".into(), Path::to_path_buf);
+    read.map_err(|source| CaseError::Network { path: path(), source })
 }
 
 impl Case {
@@ -150,7 +176,9 @@ impl Case {
         let mut keys = resolve::resolve(keys);
         let lines = moorings::lines(&mut keys, &source).map_err(CaseError::Invalid)?;
         refuse_if_any(wave_checks::check_wave_fits(&keys, &source))?;
-        let scene = Scene::new(&keys, motions, lines, wave_plan::wave_plan(&keys));
+        let network = network(keys.pressure.weights.as_deref())?;
+        let wave = wave_plan::wave_plan(&keys);
+        let scene = Scene::new(&keys, motions, lines, wave, network);
         let warnings = wave_checks::warnings(&keys);
         Ok(Self { name: name.to_owned(), keys, scene, warnings })
     }

@@ -1,6 +1,9 @@
 //! The checks of this workspace in one command: `cargo xtask test`.
 //!
 //! Needs Rust only. `cargo nextest` is used where it is installed, `cargo test` otherwise.
+//! `cargo xtask libtorch` needs Linux on x86-64 with Python's pip.
+
+mod libtorch;
 
 use std::env;
 use std::ffi::OsStr;
@@ -9,12 +12,21 @@ use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
-const USAGE: &str = "usage: cargo xtask test    format, lints, documentation and all tests";
+const USAGE: &str = "\
+usage: cargo xtask test        format, lints, documentation and all tests
+       cargo xtask libtorch    fetch libtorch, once, and link it: for the training of networks";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test(),
+        ["libtorch"] => match libtorch::provide(root()) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                say(&error);
+                ExitCode::FAILURE
+            }
+        },
         _ => {
             say(USAGE);
             ExitCode::from(2)
@@ -93,9 +105,13 @@ fn has_nextest() -> bool {
 fn cargo<S: AsRef<OsStr>>(arguments: impl IntoIterator<Item = S>) -> Command {
     let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(program);
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2);
-    command.args(arguments).current_dir(root.unwrap_or(Path::new(".")));
+    command.args(arguments).current_dir(root());
     command
+}
+
+/// Root of the workspace.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap_or(Path::new("."))
 }
 
 fn say(text: &str) {

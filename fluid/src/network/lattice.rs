@@ -1,0 +1,302 @@
+//! The coarse level of the residual network: a lattice of nodes a few spacings apart, between
+//! which values are interpolated bilinearly, and the pressure equation on it.
+//!
+//! The coarse equation is the Galerkin product Pᵀ A P of the fine one with the interpolation P, so
+//! that surface, walls and bodies are in it without being named. It is banded, the nodes being
+//! numbered up each column, and solved by factors without pivoting; its cost grows as N (D/dx)²/16²
+//! where that of everything else grows as N.
+
+use crate::neighbours::BLOCK;
+use crate::sparse::SparseMatrix;
+use nalgebra::Point2;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Distance between nodes in particle spacings.
+pub(crate) const SPACINGS: f64 = 4.0;
+/// Nodes around a cell that its particles' equations reach, in each direction.
+const REACH: usize = 4;
+/// Entries of the equations of a cell's four nodes.
+const CELL: usize = 4 * REACH * REACH;
+
+/// Nodes of a lattice: `columns` by `rows`, the lowest half a cell outside the corner of the tank.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Shape {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+}
+
+impl Shape {
+    /// Number of nodes.
+    pub(crate) fn nodes(self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Largest distance of the numbers of two nodes in one equation.
+    fn band(self) -> usize {
+        2 * self.rows + 2
+    }
+}
+
+/// Where a particle stands in the lattice: its cell's lowest node, and the part of the way to the
+/// next in each direction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Place {
+    pub(crate) column: u32,
+    pub(crate) row: u32,
+    pub(crate) x: f32,
+    pub(crate) y: f32,
+}
+
+impl Place {
+    fn of(point: Point2<f64>, spacing: f64, shape: Shape) -> Self {
+        let along = |x: f64, nodes: usize| {
+            let s = (x / (SPACINGS * spacing) + 0.5).max(0.0);
+            let cell = (s as usize).min(nodes - 2);
+            (cell as u32, (s - cell as f64).min(1.0) as f32)
+        };
+        let ((column, x), (row, y)) = (along(point.x, shape.columns), along(point.y, shape.rows));
+        Self { column, row, x, y }
+    }
+
+    /// Bilinear weights of the nodes (0, 0), (0, 1), (1, 0), (1, 1) of the cell.
+    #[inline(always)]
+    pub(crate) fn weights(self) -> [f32; 4] {
+        let (x, y) = (self.x, self.y);
+        [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y]
+    }
+
+    /// The nodes of the cell.
+    #[inline(always)]
+    pub(crate) fn nodes(self, shape: Shape) -> [usize; 4] {
+        let first = self.column as usize * shape.rows + self.row as usize;
+        [first, first + 1, first + shape.rows, first + shape.rows + 1]
+    }
+}
+
+/// Particles in the cells of a lattice.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cells {
+    pub(crate) shape: Shape,
+    /// Place of each particle.
+    pub(crate) place: Vec<Place>,
+    start: Vec<u32>,
+    particles: Vec<u32>,
+    sums: Vec<[f32; 4]>,
+}
+
+/// The shape of a lattice that holds the particles at `position`.
+pub(crate) fn shape(position: &[Point2<f64>], spacing: f64) -> Shape {
+    let high = position.iter().fold((0.0f64, 0.0f64), |(x, y), p| (x.max(p.x), y.max(p.y)));
+    let nodes = |length: f64| (length / (SPACINGS * spacing) + 0.5) as usize + 2;
+    Shape { columns: nodes(high.0), rows: nodes(high.1) }
+}
+
+impl Cells {
+    /// Sorts the particles at `position` into the cells of a lattice of this `shape`; one that is
+    /// outside counts to the nearest cell.
+    pub(crate) fn sort(&mut self, position: &[Point2<f64>], spacing: f64, shape: Shape) {
+        self.shape = shape;
+        self.place.resize(position.len(), Place::default());
+        self.place.par_chunks_mut(BLOCK).zip(position.par_chunks(BLOCK)).for_each(|(place, x)| {
+            for (place, x) in place.iter_mut().zip(x) {
+                *place = Place::of(*x, spacing, shape);
+            }
+        });
+        let cell = |place: &Place| place.column as usize * shape.rows + place.row as usize;
+        self.start.clear();
+        self.start.resize(shape.nodes() + 1, 0);
+        for place in &self.place {
+            self.start[cell(place) + 1] += 1;
+        }
+        for cell in 1..self.start.len() {
+            self.start[cell] += self.start[cell - 1];
+        }
+        self.particles.resize(position.len(), 0);
+        // Filled from the back, so that each cell lists its particles in rising order.
+        for (particle, place) in self.place.iter().enumerate().rev() {
+            let end = &mut self.start[cell(place) + 1];
+            *end -= 1;
+            self.particles[*end as usize] = particle as u32;
+        }
+        self.start.rotate_left(1);
+        if let Some(last) = self.start.last_mut() {
+            *last = position.len() as u32;
+        }
+    }
+
+    fn of(&self, cell: usize) -> &[u32] {
+        &self.particles[self.start[cell] as usize..self.start[cell + 1] as usize]
+    }
+
+    /// Pᵀ v: for each node the sum of `value(i)` times the particle's weight.
+    pub(crate) fn restrict(&mut self, value: impl Fn(usize) -> f32 + Sync, coarse: &mut Vec<f32>) {
+        let mut sums = std::mem::take(&mut self.sums);
+        sums.resize(self.shape.nodes(), [0.0; 4]);
+        let this = &*self;
+        sums.par_iter_mut().with_min_len(64).enumerate().for_each(|(cell, sum)| {
+            *sum = [0.0; 4];
+            for &i in this.of(cell) {
+                let value = value(i as usize);
+                for (sum, weight) in sum.iter_mut().zip(this.place[i as usize].weights()) {
+                    *sum += weight * value;
+                }
+            }
+        });
+        let shape = self.shape;
+        coarse.clear();
+        coarse.resize(shape.nodes(), 0.0);
+        for (cell, sum) in sums.iter().enumerate() {
+            let (column, row) = (cell / shape.rows, cell % shape.rows);
+            if column + 1 < shape.columns && row + 1 < shape.rows {
+                coarse[cell] += sum[0];
+                coarse[cell + 1] += sum[1];
+                coarse[cell + shape.rows] += sum[2];
+                coarse[cell + shape.rows + 1] += sum[3];
+            }
+        }
+        self.sums = sums;
+    }
+
+    /// (P c)_i at particle `i`.
+    #[inline(always)]
+    pub(crate) fn interpolate(&self, i: usize, coarse: &[f32]) -> f32 {
+        let place = self.place[i];
+        let nodes = place.nodes(self.shape);
+        let weights = place.weights();
+        (0..4).map(|k| weights[k] * coarse[nodes[k]]).sum()
+    }
+}
+
+/// Factors of the coarse equation.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Coarse {
+    pub(crate) shape: Shape,
+    /// For each node its row of the band, lower factors first, the diagonal's inverse in the
+    /// middle.
+    factors: Vec<f32>,
+}
+
+impl Coarse {
+    /// Assembles Pᵀ A P for the particles in `cells` and factorizes it. Particles for which `known`
+    /// holds are not in it.
+    pub(crate) fn factorize(
+        &mut self,
+        cells: &Cells,
+        matrix: &SparseMatrix,
+        known: impl Fn(usize) -> bool + Sync,
+    ) {
+        let shape = cells.shape;
+        let mut blocks = vec![[0.0f64; CELL]; shape.nodes()];
+        blocks.par_iter_mut().with_min_len(16).enumerate().for_each(|(cell, block)| {
+            let (column, row) = (cell / shape.rows, cell % shape.rows);
+            for &i in cells.of(cell) {
+                if !known(i as usize) {
+                    add_row(cells, matrix, (column, row), i as usize, &known, block);
+                }
+            }
+        });
+        let (n, band) = (shape.nodes(), shape.band());
+        let width = 2 * band + 1;
+        let mut rows = vec![0.0f64; n * width];
+        for (cell, block) in blocks.iter().enumerate() {
+            let (column, row) = (cell / shape.rows, cell % shape.rows);
+            if column + 1 == shape.columns || row + 1 == shape.rows {
+                continue;
+            }
+            for (own, entries) in block.chunks_exact(REACH * REACH).enumerate() {
+                let node = (column + own / 2) * shape.rows + row + own % 2;
+                for (k, value) in entries.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                    // The window begins one node below the cell.
+                    let other = (column + k / REACH) * shape.rows + row + k % REACH;
+                    rows[node * width + band + other - (shape.rows + 1) - node] += value;
+                }
+            }
+        }
+        self.shape = shape;
+        eliminate(&mut rows, n, band);
+        self.factors.clear();
+        self.factors.extend(rows.iter().map(|&value| value as f32));
+    }
+
+    /// Solves the coarse equation in place.
+    pub(crate) fn solve(&self, values: &mut [f32]) {
+        let (n, band) = (self.shape.nodes(), self.shape.band());
+        let width = 2 * band + 1;
+        for i in 0..n {
+            let from = band.saturating_sub(i);
+            let row = &self.factors[i * width + from..i * width + band];
+            let known = &values[i + from - band..i];
+            let sum: f32 = row.iter().zip(known).map(|(a, x)| a * x).sum();
+            values[i] -= sum;
+        }
+        for i in (0..n).rev() {
+            let to = band.min(n - 1 - i);
+            let row = &self.factors[i * width + band..i * width + band + 1 + to];
+            let sum: f32 = row[1..].iter().zip(&values[i + 1..=i + to]).map(|(a, x)| a * x).sum();
+            values[i] = (values[i] - sum) * row[0];
+        }
+    }
+}
+
+/// Adds Pᵢᵀ (A P)ᵢ of particle `i` in the cell at `corner` to the cell's block of equations.
+#[inline(always)]
+fn add_row(
+    cells: &Cells,
+    matrix: &SparseMatrix,
+    corner: (usize, usize),
+    i: usize,
+    known: &(impl Fn(usize) -> bool + Sync),
+    block: &mut [f64; CELL],
+) {
+    let mut reached = [0.0f64; REACH * REACH];
+    let mut add = |place: Place, value: f64| {
+        // From one node below the cell to two above: a neighbour is less than a cell away.
+        let column = (place.column as usize + 1).wrapping_sub(corner.0);
+        let row = (place.row as usize + 1).wrapping_sub(corner.1);
+        if column + 1 < REACH && row + 1 < REACH {
+            let weights = place.weights();
+            for (k, weight) in weights.iter().enumerate() {
+                reached[(column + k / 2) * REACH + row + k % 2] += value * f64::from(*weight);
+            }
+        }
+    };
+    let own = cells.place[i];
+    add(own, 1.0);
+    let (columns, values) = matrix.row(i);
+    for (&j, &value) in columns.iter().zip(values) {
+        if !known(j as usize) {
+            add(cells.place[j as usize], f64::from(value));
+        }
+    }
+    for (entries, weight) in block.chunks_exact_mut(REACH * REACH).zip(own.weights()) {
+        for (entry, value) in entries.iter_mut().zip(&reached) {
+            *entry += f64::from(weight) * value;
+        }
+    }
+}
+
+/// LU factors of a banded matrix in place, without pivoting; the diagonal becomes its inverse. A
+/// node without particles keeps an equation of its own.
+fn eliminate(rows: &mut [f64], n: usize, band: usize) {
+    /// Diagonal below which a node counts as without particles: the weight of one at its rim.
+    const EMPTY: f64 = 1e-6;
+    let width = 2 * band + 1;
+    for i in 0..n {
+        let diagonal = rows[i * width + band];
+        let inverse = if diagonal.abs() < EMPTY { 0.0 } else { 1.0 / diagonal };
+        rows[i * width + band] = inverse;
+        let (done, rest) = rows.split_at_mut((i + 1) * width);
+        let pivot = &done[i * width + band + 1..];
+        for (below, row) in rest.chunks_exact_mut(width).take(band).enumerate() {
+            let at = band - 1 - below;
+            let factor = row[at] * inverse;
+            row[at] = factor;
+            if factor != 0.0 {
+                for (value, pivot) in row[at + 1..].iter_mut().zip(pivot) {
+                    *value -= factor * pivot;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Networks that give the pressure in place of the pressure Poisson equation, section 2.3 of
+//! Ma, Zhang, Yan & Li (2024), and their inference on the processor in single precision.
+
+pub(crate) mod lattice;
+pub mod residual;
+mod weights;
+
+use residual::ResidualWeights;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+use weights::Tensors;
+
+/// A network with its weights.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Network(pub(crate) Weights);
+
+/// The weights of one of the networks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Weights {
+    /// [`residual`].
+    Residual(ResidualWeights),
+}
+
+/// What is wrong with a weights file.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum NetworkError {
+    /// No safetensors file, or a truncated one.
+    #[error("the weights cannot be read: {0}")]
+    Unreadable(String),
+    /// The metadata name no network.
+    #[error("the weights do not say for which network they are (metadata key \"network\")")]
+    NoKind,
+    /// The metadata name a network that there is not.
+    #[error("there is no network \"{kind}\" (there is: residual)")]
+    Kind {
+        /// The name.
+        kind: String,
+    },
+    /// A tensor is not in single precision.
+    #[error("tensor {tensor} of the weights is not of type F32")]
+    Type {
+        /// Its name.
+        tensor: String,
+    },
+    /// A tensor holds NaN or infinity.
+    #[error("tensor {tensor} of the weights holds a number that is not finite")]
+    NotFinite {
+        /// Its name.
+        tensor: String,
+    },
+    /// A tensor is not there.
+    #[error("the weights have no tensor {tensor}")]
+    Missing {
+        /// Its name.
+        tensor: String,
+    },
+    /// A tensor of another shape.
+    #[error(
+        "tensor {tensor} of the weights has the shape {found:?}, the network needs {expected:?}"
+    )]
+    Shape {
+        /// Its name.
+        tensor: String,
+        /// The shape in the file.
+        found: Vec<usize>,
+        /// The shape of the network.
+        expected: Vec<usize>,
+    },
+}
+
+impl Network {
+    /// The network that comes with the program.
+    ///
+    /// # Errors
+    /// Never, unless the program was built with a damaged file.
+    pub fn shipped() -> Result<Self, NetworkError> {
+        Self::from_bytes(include_bytes!("../../weights/residual.safetensors"))
+    }
+
+    /// The network in a weights file.
+    ///
+    /// # Errors
+    /// [`NetworkError`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, NetworkError> {
+        let (tensors, kind) = Tensors::read(bytes)?;
+        match kind.as_str() {
+            "residual" => ResidualWeights::new(&tensors).map(Weights::Residual).map(Self),
+            _ => Err(NetworkError::Kind { kind }),
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! What every way to find the pressure has in common: the problem, the answer's report, and what
+//! is kept from step to step.
+
+use crate::error::FluidError;
+use crate::fields::Fields;
+use crate::krylov::Stop;
+use crate::network::lattice::{self, Cells, Coarse};
+use crate::sparse::{Preconditioner, SparseMatrix};
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// A way to find the pressure of a step.
+pub(crate) trait PressureSolver: Send + Sync {
+    /// Replaces the pressure of the step before in `problem.pressure` by that of this step.
+    ///
+    /// # Errors
+    /// [`FluidError::PressureNotConverged`] where no solver left can do it.
+    fn solve(&mut self, problem: Problem<'_>) -> Result<PressureReport, FluidError>;
+}
+
+/// The assembled pressure equation of a step, and all that a solver may look at.
+pub(crate) struct Problem<'a> {
+    /// Rows of the inner particles, scaled to a diagonal of one; those of the surface are p = 0.
+    pub(crate) matrix: &'a SparseMatrix,
+    /// Right-hand side in the same scaling, Pa.
+    pub(crate) rhs: &'a [[f64; 1]],
+    /// Before: the pressure of the step before. After: the solution. Zero on the surface. Pa.
+    pub(crate) pressure: &'a mut [[f64; 1]],
+    /// Change of the pressure over the step before, Pa.
+    pub(crate) change: &'a [f64],
+    /// Particles, walls and neighbours where the step is assembled.
+    pub(crate) fields: Fields<'a>,
+    /// Number of the step.
+    pub(crate) step: u64,
+    /// When to stop.
+    pub(crate) stop: Stop,
+    /// Divergence (1/s) that a residual of 1 Pa is worth.
+    pub(crate) divergence_per_residual: f64,
+    /// What outlives the step.
+    pub(crate) memory: &'a mut PressureMemory,
+}
+
+/// What a pressure solver keeps from step to step, and a saved state holds.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct PressureMemory {
+    preconditioner: Preconditioner,
+    factorized_at: Option<u64>,
+    coarse: Coarse,
+    coarse_at: Option<u64>,
+}
+
+/// Steps between two factorizations of the preconditioner, and of the network's coarse level.
+const FACTORS_LAST: u64 = 8;
+
+impl PressureMemory {
+    /// The factors of `matrix` or of one a few steps back.
+    pub(crate) fn preconditioner(
+        &mut self,
+        matrix: &SparseMatrix,
+        step: u64,
+    ) -> &mut Preconditioner {
+        let rows = matrix.rows();
+        let age = self.factorized_at.map(|factorized| step - factorized);
+        if age.is_none_or(|age| age >= FACTORS_LAST) {
+            self.preconditioner.factorize(matrix, rows);
+            self.factorized_at = Some(step);
+        }
+        &mut self.preconditioner
+    }
+
+    /// The coarse level of the network, of this step or a few steps back, and the particles at
+    /// `position` sorted into its `cells`. Particles that are `known` are not in it.
+    pub(crate) fn coarse(
+        &mut self,
+        cells: &mut Cells,
+        position: &[Point2<f64>],
+        spacing: f64,
+        matrix: &SparseMatrix,
+        known: &[bool],
+        step: u64,
+    ) -> &Coarse {
+        let due = self.coarse_at.is_none_or(|built| step - built >= FACTORS_LAST);
+        let shape = if due { lattice::shape(position, spacing) } else { self.coarse.shape };
+        cells.sort(position, spacing, shape);
+        if due {
+            self.coarse.factorize(cells, matrix, |i| known[i]);
+            self.coarse_at = Some(step);
+        }
+        &self.coarse
+    }
+
+    /// The particles have been renumbered: factors of the old numbering are of no use.
+    pub(crate) fn forget(&mut self) {
+        self.factorized_at = None;
+    }
+}
+
+/// What a pressure solve did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PressureReport {
+    /// Iterations of the Krylov solver.
+    pub iterations: usize,
+    /// Residual of the start relative to the right-hand side, 2-norms.
+    pub residual_before: f64,
+    /// Residual of the solution relative to the right-hand side, 2-norms.
+    pub residual: f64,
+    /// Root-mean-square divergence that the solution leaves in the velocity, 1/s.
+    pub divergence_left: f64,
+    /// Whether another solver than the one asked for had to finish.
+    pub fell_back: bool,
+    /// Wall time of the solve, the assembly not counted.
+    pub time: Duration,
+}
+
+/// How the pressure is found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PressureSettings {
+    /// The solver.
+    pub solver: SolverKind,
+    /// Preconditioner of the pressure Poisson equation.
+    pub preconditioner: PreconditionerKind,
+    /// What the pressure Poisson equation starts from.
+    pub start: Start,
+    /// Stop: residual relative to the right-hand side, 2-norms.
+    pub tolerance: f64,
+    /// Stop in any case: root-mean-square divergence left, in units of √(g/D).
+    pub divergence_tolerance: f64,
+    /// Iterations after which a solve has failed.
+    pub max_iterations: usize,
+    /// Residual relative to the right-hand side above which a guarded network's step goes on with
+    /// the pressure Poisson equation.
+    pub guard_tolerance: f64,
+    /// Damped Jacobi sweeps after a network.
+    pub sweeps: u32,
+}
+
+impl Default for PressureSettings {
+    fn default() -> Self {
+        Self {
+            solver: SolverKind::Ppe,
+            preconditioner: PreconditionerKind::Milu,
+            start: Start::Warm,
+            tolerance: 1e-3,
+            divergence_tolerance: 1e-6,
+            max_iterations: 500,
+            guard_tolerance: 5e-3,
+            sweeps: 0,
+        }
+    }
+}
+
+/// The solvers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SolverKind {
+    /// The pressure Poisson equation (PPE), Eq. (9b), by BiCGSTAB.
+    Ppe,
+    /// A network alone.
+    Network,
+    /// A network, and the pressure Poisson equation where its residual is too large.
+    Guarded,
+}
+
+/// The preconditioners of the pressure Poisson equation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PreconditionerKind {
+    /// Modified incomplete LU factorization without fill, in overlapping slabs.
+    Milu,
+    /// The diagonal, as in conventional ISPH.
+    Diagonal,
+}
+
+/// What a solve starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Start {
+    /// The pressure of the last two steps carried on.
+    Warm,
+    /// Zero, as in conventional ISPH.
+    Cold,
+    /// What it is given: a network's pressure.
+    #[serde(skip)]
+    Given,
+}
