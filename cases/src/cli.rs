@@ -79,6 +79,9 @@ pub(crate) struct MooringArguments {
 pub(crate) struct RunArguments {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
+    /// What finds the pressure, in place of the case's pressure.solver: ppe, network or guarded
+    #[arg(long, value_name = "SOLVER")]
+    pub(crate) pressure: Option<String>,
     /// Directory for the results; without it results/CASE, numbered if that is taken
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
@@ -153,6 +156,7 @@ pub(crate) struct BenchPressureArguments {
 pub(crate) fn main_job() -> Command {
     Command::Run(RunArguments {
         case: CaseArguments { case: MAIN_CASE.to_owned(), set: Vec::new() },
+        pressure: None,
         out: None,
         force: false,
         threads: None,

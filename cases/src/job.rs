@@ -162,7 +162,7 @@ fn summarize(
         stage_time_s: stage_times(simulation, course, begun.elapsed()),
         peak_memory_bytes: peak_memory(),
         pressure_iterations_mean: mean_iterations(samples),
-        fallback_count: 0,
+        fallback_count: simulation.fallback_count(),
         coupling: (!case.scene.bodies.is_empty()).then(|| *simulation.coupling_tally()),
         final_energy_error: energy_error(&case.scene, samples),
         final_volume_error: samples.last().map(|sample| sample.diagnostics.volume_error),

@@ -66,7 +66,7 @@ fn refused(error: impl std::fmt::Display) -> Stop {
 }
 
 fn run(arguments: &RunArguments) -> Result<(), Stop> {
-    let case = load(&arguments.case)?;
+    let case = load(&with_pressure(arguments))?;
     if !arguments.quiet {
         warn(&case);
     }
@@ -236,6 +236,13 @@ fn bench_pressure(arguments: &BenchPressureArguments) -> Result<(), Stop> {
     let Some(path) = &arguments.out else { return Ok(()) };
     pressure_bench::write(&rows, path)
         .map_err(|error| Stop { message: error.to_string(), code: FAILED })
+}
+
+/// The case of a run, with the pressure solver that the command line asks for.
+fn with_pressure(arguments: &RunArguments) -> CaseArguments {
+    let solver = arguments.pressure.iter().map(|solver| format!("pressure.solver={solver:?}"));
+    let CaseArguments { case, set } = &arguments.case;
+    CaseArguments { case: case.clone(), set: set.iter().cloned().chain(solver).collect() }
 }
 
 fn load(arguments: &CaseArguments) -> Result<Case, Stop> {

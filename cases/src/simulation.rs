@@ -206,6 +206,12 @@ impl Simulation {
             .collect()
     }
 
+    /// Pressure solves that another solver than the one asked for had to finish.
+    #[must_use]
+    pub fn fallback_count(&self) -> u64 {
+        self.fluid.fallback_count()
+    }
+
     /// How many particles there are.
     #[must_use]
     pub fn particle_counts(&self) -> ParticleCounts {

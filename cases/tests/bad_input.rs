@@ -176,3 +176,12 @@ fn gauges_and_probes_outside_the_tank_and_inside_a_body() {
 fn a_tank_that_is_lower_than_the_water() {
     refused(SMALL, &["--set", "tank.height_m=0.1"], &[&["tank.height_m", "must be above 0.2"]]);
 }
+
+#[test]
+fn weights_that_are_none() {
+    let weights = |path: &str| format!("pressure.weights=\"{path}\"");
+    let (absent, damaged) = (weights("absent.safetensors"), weights("bad.toml"));
+    refused(SMALL, &["--set", &absent], &[&["absent.safetensors", "cannot be read"]]);
+    refused(SMALL, &["--set", &damaged], &[&["bad.toml", "weights cannot be read"]]);
+    refused(SMALL, &["--set", "pressure.solver=\"oracle\""], &[&["oracle", "guarded"]]);
+}

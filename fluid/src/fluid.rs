@@ -49,6 +49,7 @@ pub struct Fluid {
     pub(crate) solved_for: Option<f64>,
     pub(crate) solver: Box<dyn PressureSolver>,
     pub(crate) report: PressureReport,
+    pub(crate) fallbacks: u64,
     pub(crate) unit_report: Report,
     pub(crate) initial_volume: f64,
     stage_time: [Duration; Stage::ALL.len()],
@@ -119,6 +120,7 @@ impl Fluid {
             solved_for: None,
             solver: pressure::solver(setup.pressure, &setup.network),
             report: PressureReport::default(),
+            fallbacks: 0,
             unit_report: Report::default(),
             initial_volume: 0.0,
             stage_time: [Duration::ZERO; Stage::ALL.len()],
@@ -148,6 +150,12 @@ impl Fluid {
     #[must_use]
     pub fn time(&self) -> f64 {
         self.state.time
+    }
+
+    /// Solves that another solver than the one asked for had to finish.
+    #[must_use]
+    pub fn fallback_count(&self) -> u64 {
+        self.fallbacks
     }
 
     /// Steps done.

@@ -185,6 +185,7 @@ impl Fluid {
         self.work.rhs = rhs;
         self.work.solution = solution;
         self.report = self.solve_assembled(h, None)?;
+        self.fallbacks += u64::from(self.report.fell_back);
         Ok(())
     }
 

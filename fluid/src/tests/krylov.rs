@@ -8,9 +8,9 @@ use nalgebra::{DMatrix, DVector};
 
 /// Columns and rows of cells of a tank; unknowns are numbered column by column, as particles are.
 #[derive(Clone, Copy)]
-struct Grid {
-    columns: i64,
-    rows: i64,
+pub(super) struct Grid {
+    pub(super) columns: i64,
+    pub(super) rows: i64,
 }
 
 /// A size at which a direct solution is quick.
@@ -19,14 +19,14 @@ const SMALL: Grid = Grid { columns: 20, rows: 15 };
 const LARGE: Grid = Grid { columns: 450, rows: 20 };
 
 impl Grid {
-    fn len(self) -> usize {
+    pub(super) fn len(self) -> usize {
         (self.columns * self.rows) as usize
     }
 
     /// Poisson's equation, p = 0 above the top row and no flux through bed and sides, with weights
     /// that vary by 80 % from pair to pair and from one side of a pair to the other: no symmetry.
     /// Each row is divided by its diagonal.
-    fn poisson(self) -> SparseMatrix {
+    pub(super) fn poisson(self) -> SparseMatrix {
         let mut matrix = SparseMatrix::default();
         matrix.blocks.resize_with(self.len().div_ceil(BLOCK), Default::default);
         matrix.blocks.iter_mut().for_each(|block| block.clear());
@@ -73,7 +73,7 @@ fn one<const R: usize>(vectors: &[Entry<R>], k: usize) -> Vec<Entry<1>> {
     vectors.iter().map(|entry| [entry[k]]).collect()
 }
 
-fn times<const R: usize>(matrix: &SparseMatrix, x: &[Entry<R>]) -> Vec<Entry<R>> {
+pub(super) fn times<const R: usize>(matrix: &SparseMatrix, x: &[Entry<R>]) -> Vec<Entry<R>> {
     let mut y = vec![[0.0; R]; x.len()];
     let _: [Entry<R>; 0] = matrix.multiply(x, &mut y, &mut Vec::new(), |_, _, _| {});
     y

@@ -1,0 +1,149 @@
+//! The residual network: its coarse level against a direct solve, its correction factor against the
+//! stability bounds, and weights files that are none.
+
+use crate::network::lattice::{self, Cells, Coarse};
+use crate::network::residual::Residual;
+use crate::network::{Network, NetworkError, Weights};
+use crate::sparse::SparseMatrix;
+use crate::tests::krylov::{Grid, times};
+use crate::tests::scatter;
+use nalgebra::{DMatrix, DVector, Point2};
+
+const SPACING: f64 = 0.02;
+const GRID: Grid = Grid { columns: 30, rows: 17 };
+
+/// A small tank: its equation, its particles, jittered by a tenth of a spacing, in their cells.
+struct Tank {
+    matrix: SparseMatrix,
+    cells: Cells,
+    coarse: Coarse,
+    known: Vec<bool>,
+}
+
+impl Tank {
+    fn new() -> Self {
+        let matrix = GRID.poisson();
+        let positions: Vec<_> = (0..GRID.len() as i64)
+            .map(|i| {
+                let (column, row) = (i / GRID.rows, i % GRID.rows);
+                let at = |cell: i64, salt| (cell as f64 + 0.5 + 0.1 * scatter(i, salt)) * SPACING;
+                Point2::new(at(column, 5), at(row, 6))
+            })
+            .collect();
+        let known = vec![false; GRID.len()];
+        let (mut cells, mut coarse) = (Cells::default(), Coarse::default());
+        cells.sort(&positions, SPACING, lattice::shape(&positions, SPACING));
+        coarse.factorize(&cells, &matrix, |i| known[i]);
+        Self { matrix, cells, coarse, known }
+    }
+
+    /// What the network leaves of the error `v`: v − G A v.
+    fn left(&mut self, v: &[f64]) -> Vec<f64> {
+        let entries: Vec<_> = v.iter().map(|v| [*v]).collect();
+        let r: Vec<f32> = times(&self.matrix, &entries).iter().map(|r| r[0] as f32).collect();
+        let change = self.correction(&r);
+        v.iter().zip(change).map(|(v, change)| v - f64::from(change)).collect()
+    }
+
+    fn correction(&mut self, r: &[f32]) -> Vec<f32> {
+        let Weights::Residual(weights) = Network::shipped().unwrap().0;
+        let levels = (&mut self.cells, &self.coarse);
+        let mut network = Residual::default();
+        network.correction(&weights, &self.matrix, levels, |_| 0, &self.known, r).to_vec()
+    }
+}
+
+#[test]
+fn the_coarse_level_is_the_galerkin_product_of_the_fine_one() {
+    let mut tank = Tank::new();
+    let (n, nodes) = (GRID.len(), tank.cells.shape.nodes());
+    let mut fine = DMatrix::<f64>::zeros(n, n);
+    for column in 0..n {
+        let mut unit = vec![[0.0]; n];
+        unit[column] = [1.0];
+        let product = times(&tank.matrix, &unit);
+        fine.column_mut(column).iter_mut().zip(product).for_each(|(a, b)| *a = b[0]);
+    }
+    let mut interpolation = DMatrix::<f64>::zeros(n, nodes);
+    for i in 0..n {
+        let place = tank.cells.place[i];
+        for (node, weight) in place.nodes(tank.cells.shape).into_iter().zip(place.weights()) {
+            interpolation[(i, node)] += f64::from(weight);
+        }
+    }
+    let exact = interpolation.transpose() * &fine * &interpolation;
+    let values: Vec<f32> = (0..n).map(|i| scatter(i as i64, 7) as f32).collect();
+    let mut found = Vec::new();
+    tank.cells.restrict(|i| values[i], &mut found);
+    let fine_values = DVector::from_iterator(n, values.iter().map(|v| f64::from(*v)));
+    let restricted = interpolation.transpose() * fine_values;
+    for (found, exact) in found.iter().zip(&restricted) {
+        assert!((f64::from(*found) - exact).abs() < 1e-5, "{found} and {exact}");
+    }
+    tank.coarse.solve(&mut found);
+    let solution = DVector::from_iterator(nodes, found.iter().map(|v| f64::from(*v)));
+    let off = (&exact * solution - &restricted).norm() / restricted.norm();
+    assert!(off < 1e-4, "{off}");
+}
+
+#[test]
+fn nothing_to_correct_is_not_corrected() {
+    let change = Tank::new().correction(&vec![0.0; GRID.len()]);
+    assert!(change.iter().all(|change| *change == 0.0));
+}
+
+#[test]
+fn twice_the_residual_is_corrected_twice_as_much() {
+    let mut tank = Tank::new();
+    let r: Vec<f32> = (0..GRID.len()).map(|i| scatter(i as i64, 8) as f32).collect();
+    let twice: Vec<f32> = r.iter().map(|r| 2.0 * r).collect();
+    let (once, twice) = (tank.correction(&r), tank.correction(&twice));
+    // Powers of two leave the rounding alone.
+    assert!(once.iter().zip(&twice).all(|(once, twice)| 2.0 * once == *twice));
+}
+
+/// With λ² − 2 e λ + e = 0 for the growth of a mode, a step is stable for −1/3 < e < 1.
+#[test]
+fn every_mode_is_corrected_within_the_bounds_of_stability() {
+    let mut tank = Tank::new();
+    let n = GRID.len();
+    let mut left = DMatrix::<f64>::zeros(n, n);
+    for column in 0..n {
+        let mut unit = vec![0.0; n];
+        unit[column] = 1.0;
+        left.column_mut(column).copy_from_slice(&tank.left(&unit));
+    }
+    let factors = left.complex_eigenvalues();
+    let (least, most) = factors
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), e| (a.min(e.re), b.max(e.re)));
+    assert!(least > -1.0 / 3.0 && most < 1.0, "{least} to {most}");
+    let imaginary = factors.iter().map(|e| e.im.abs()).fold(0.0, f64::max);
+    assert!(imaginary < 0.1, "{imaginary}");
+}
+
+#[test]
+fn damaged_weights_are_told_apart() {
+    let bytes = include_bytes!("../../weights/residual.safetensors").to_vec();
+    assert!(Network::from_bytes(&bytes).is_ok());
+    let found = |bytes: &[u8]| Network::from_bytes(bytes).unwrap_err();
+    let truncated = found(&bytes[..bytes.len() - 4]);
+    assert!(matches!(truncated, NetworkError::Unreadable(_)), "{truncated}");
+    let mut nan = bytes.clone();
+    let end = nan.len();
+    nan[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
+    assert!(matches!(found(&nan), NetworkError::NotFinite { .. }), "{}", found(&nan));
+    // The header is text: the same number of bytes, another meaning.
+    let replaced = |from: &str, to: &str| {
+        let text = bytes.windows(from.len()).position(|part| part == from.as_bytes()).unwrap();
+        let mut other = bytes.clone();
+        other[text..text + from.len()].copy_from_slice(to.as_bytes());
+        found(&other)
+    };
+    let kind = replaced("\"residual\"", "\"residuum\"");
+    assert!(matches!(kind, NetworkError::Kind { .. }), "{kind}");
+    let shape = replaced("[16, 6]", "[6, 16]");
+    assert!(matches!(shape, NetworkError::Shape { .. }), "{shape}");
+    let missing = replaced("encoder.bias", "encoder.bits");
+    assert!(matches!(missing, NetworkError::Missing { .. }), "{missing}");
+}
