@@ -8,8 +8,10 @@ use seakeep_body::{BodyProperties, FreeDegrees, RapierEngine, RigidBodies};
 use seakeep_coupler::FixedStepMaster;
 use seakeep_coupler::interface::{BoundaryKinematics, MotionComponent};
 use seakeep_fluid::Fluid;
+use seakeep_fluid::network::Network;
 use seakeep_fluid::setup::{
-    DampingZone, Discretisation, FluidSetup, Integrator, Numerics, RigidBoundary, Tank, Water,
+    DampingZone, Discretisation, FluidSetup, Integrator, Numerics, PressureSettings, RigidBoundary,
+    Tank, Water,
 };
 use std::f64::consts::PI;
 
@@ -68,9 +70,9 @@ fn set_up(length: f64, spacing: f64, time_step: f64) -> (Fluid, RigidBodies, Fix
             discretisation: Discretisation::Quadratic,
             integrator: Integrator::Midpoint,
             density_blend: 0.01,
-            pressure_tolerance: 1e-3,
-            pressure_max_iterations: 500,
         },
+        pressure: PressureSettings::default(),
+        network: Network::shipped().unwrap(),
     };
     let held = FreeDegrees { sway: false, heave: false, roll: false };
     let paddle =

@@ -143,7 +143,7 @@ impl CouplingKeys {
     }
 
     /// The same with nothing left to a default. Several steps of the water are repeated for each
-    /// evaluation, and are the same again only as far as its `pressure_tolerance` tells.
+    /// evaluation, and are the same again only as far as its pressure tolerance tells.
     pub(super) fn resolve(mut self, pressure_tolerance: f64) -> Self {
         if self.scheme != SchemeName::Implicit {
             return self;

@@ -17,7 +17,7 @@ pub(super) fn resolve(mut keys: CaseKeys) -> CaseKeys {
     let spacing = keys.numerics.particle_spacing_m;
     keys.numerics.time_step_s.get_or_insert(default_time_step(spacing));
     wave_plan::resolve(&mut keys);
-    keys.coupling = keys.coupling.resolve(keys.numerics.pressure_tolerance);
+    keys.coupling = keys.coupling.resolve(keys.pressure.tolerance);
     // Fairleads move with the frames of the shapes, to the centres of mass.
     for line in &mut keys.mooring {
         if let Some(body) = keys.body.iter().find(|body| body.name == line.body) {

@@ -19,9 +19,11 @@ const REACH: usize = 4;
 /// Entries of the equations of a cell's four nodes.
 const CELL: usize = 4 * REACH * REACH;
 
-/// Nodes of a lattice: `columns` by `rows`, the lowest half a cell outside the corner of the tank.
+/// Nodes of a lattice: `columns` by `rows`, the lowest half a cell below the bed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Shape {
+    /// Where the first column stands, in cells from x = −½ cell: a paddle takes water to x < 0.
+    pub(crate) first: i32,
     pub(crate) columns: usize,
     pub(crate) rows: usize,
 }
@@ -50,12 +52,13 @@ pub(crate) struct Place {
 
 impl Place {
     fn of(point: Point2<f64>, spacing: f64, shape: Shape) -> Self {
-        let along = |x: f64, nodes: usize| {
-            let s = (x / (SPACINGS * spacing) + 0.5).max(0.0);
+        let along = |x: f64, first: i32, nodes: usize| {
+            let s = (x / (SPACINGS * spacing) + 0.5 - f64::from(first)).max(0.0);
             let cell = (s as usize).min(nodes - 2);
             (cell as u32, (s - cell as f64).min(1.0) as f32)
         };
-        let ((column, x), (row, y)) = (along(point.x, shape.columns), along(point.y, shape.rows));
+        let (column, x) = along(point.x, shape.first, shape.columns);
+        let (row, y) = along(point.y, 0, shape.rows);
         Self { column, row, x, y }
     }
 
@@ -88,8 +91,11 @@ pub(crate) struct Cells {
 /// The shape of a lattice that holds the particles at `position`.
 pub(crate) fn shape(position: &[Point2<f64>], spacing: f64) -> Shape {
     let high = position.iter().fold((0.0f64, 0.0f64), |(x, y), p| (x.max(p.x), y.max(p.y)));
-    let nodes = |length: f64| (length / (SPACINGS * spacing) + 0.5) as usize + 2;
-    Shape { columns: nodes(high.0), rows: nodes(high.1) }
+    let low = position.iter().fold(high.0, |x, p| x.min(p.x));
+    let cell = |length: f64| (length / (SPACINGS * spacing) + 0.5).floor() as i32;
+    let first = cell(low);
+    let nodes = |cells: i32| cells.max(0) as usize + 2;
+    Shape { first, columns: nodes(cell(high.0) - first), rows: nodes(cell(high.1)) }
 }
 
 impl Cells {
