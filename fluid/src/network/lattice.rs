@@ -95,7 +95,10 @@ pub(crate) fn shape(position: &[Point2<f64>], spacing: f64) -> Shape {
     let cell = |length: f64| (length / (SPACINGS * spacing) + 0.5).floor() as i32;
     let first = cell(low);
     let nodes = |cells: i32| cells.max(0) as usize + 2;
-    Shape { first, columns: nodes(cell(high.0) - first), rows: nodes(cell(high.1)) }
+    // Spray far away must not make the lattice larger than the water is.
+    let columns = nodes(cell(high.0).saturating_sub(first)).min(position.len() / 4 + 4);
+    let rows = nodes(cell(high.1)).min(position.len() / (2 * columns) + 4);
+    Shape { first, columns, rows }
 }
 
 impl Cells {
