@@ -201,11 +201,6 @@ fn list() -> Result<(), Stop> {
     Ok(())
 }
 
-fn threads(asked: Option<NonZeroUsize>) -> usize {
-    let threads = asked.or_else(|| std::thread::available_parallelism().ok());
-    threads.map_or(1, NonZeroUsize::get)
-}
-
 fn bench_pressure(arguments: &BenchPressureArguments) -> Result<(), Stop> {
     let mut rows = Vec::new();
     say(

@@ -142,7 +142,7 @@ impl Default for PressureSettings {
             preconditioner: PreconditionerKind::Milu,
             start: Start::Warm,
             tolerance: 1e-3,
-            divergence_tolerance: 1e-6,
+            divergence_tolerance: 5e-7,
             max_iterations: 500,
             guard_tolerance: 5e-3,
             sweeps: 0,
