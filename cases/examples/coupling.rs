@@ -126,7 +126,7 @@ fn run(scene: &Scene, coupling: &[String], bound: f64) -> Result<Record, Box<dyn
         }
         motion.push(position(&simulation));
         let moved = (motion[motion.len() - 1] - motion[0]).abs();
-        if !(moved < bound) {
+        if moved.is_nan() || moved >= bound {
             failure = Some(format!("diverges, t = {:.3} s", simulation.time()));
             break;
         }

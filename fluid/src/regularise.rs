@@ -51,20 +51,12 @@ pub(crate) fn contacts(fields: Fields, rows: &Rows) -> [Option<Contact>; 2] {
         let wall_velocity = fields.walls.velocity[wall.index as usize].dot(&wall.normal);
         let found = Contact { distance, normal: wall.normal, wall_velocity };
         let same = |known: &Contact| known.normal.dot(&found.normal) > SAME_WALL;
-        match &mut contacts {
-            [Some(first), _] if same(first) => {
-                if distance < first.distance {
-                    *first = found;
-                }
-            }
-            [Some(_), Some(second)] if same(second) => {
-                if distance < second.distance {
-                    *second = found;
-                }
-            }
-            [first @ None, _] => *first = Some(found),
-            [_, second @ None] => *second = Some(found),
-            _ => {}
+        let nearer = |known: &Option<Contact>| known.is_none_or(|known| distance < known.distance);
+        let place = contacts.iter().position(|known| known.as_ref().is_none_or(same));
+        if let Some(contact) = place.map(|place| &mut contacts[place])
+            && nearer(contact)
+        {
+            *contact = Some(found);
         }
     }
     contacts

@@ -47,11 +47,9 @@ impl Fluid {
         taken.clear();
         taken.resize(self.state.particles.len(), false);
         let mut added = Vec::new();
-        for i in 0..self.state.particles.len() {
-            if self.is_lost(i) {
-                taken[i] = true;
-                self.state.lost += 1;
-            }
+        for (i, taken) in taken.iter_mut().enumerate() {
+            *taken = self.is_lost(i);
+            self.state.lost += u64::from(*taken);
         }
         for i in 0..self.state.particles.len() {
             if self.work.on_surface[i] && !taken[i] {

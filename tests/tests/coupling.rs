@@ -133,7 +133,7 @@ fn measure(ratio: f64, derivative: bool, coupling: Coupling) -> (Option<f64>, f6
     for step in 1..=400 {
         let Ok(report) = run.step() else { return (None, 0.0, 0) };
         error = error.max(run.error(&coefficients));
-        if !(error < 10.0) {
+        if error.is_nan() || error >= 10.0 {
             return (None, 0.0, 0);
         }
         // The first steps have no past to start from.

@@ -6,7 +6,7 @@
 //! is learned decides how each particle answers, from the geometry around it: an encoder turns
 //! [`FEATURES`] numbers into [`GATES`] gates. Then
 //!
-//! 1. coarse level: x⁰ = g_P · P (Pᵀ A P)⁻¹ Pᵀ (g_R · r), see [`super::lattice`], reaches bed and
+//! 1. coarse level: x⁰ = g_P · P (Pᵀ A P)⁻¹ Pᵀ (g_R · r), see `lattice`, reaches bed and
 //!    far walls at once;
 //! 2. fine level: [`LAYERS`] layers of message passing on the particle graph. Particle j sends
 //!    a_ij x_j, the operator's own weight, and with the sum m_i of its messages, its own part

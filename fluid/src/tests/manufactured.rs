@@ -8,9 +8,13 @@
 
 use crate::fit;
 use crate::fluid::Fluid;
-use crate::krylov::Stop;
+use crate::krylov::{Krylov, Stop};
+use crate::network::Network;
 use crate::operators;
-use crate::setup::{Discretisation, FluidSetup, Integrator, Numerics, Tank, Water};
+use crate::setup::{
+    Discretisation, FluidSetup, Integrator, Numerics, PressureSettings, Tank, Water,
+};
+use crate::sparse::{Entry, Preconditioner};
 use crate::tests::scatter;
 use nalgebra::{Point2, Vector2};
 
@@ -63,9 +67,9 @@ fn tank(discretisation: Discretisation, rows: usize, jitter: f64) -> Fluid {
             discretisation,
             integrator: Integrator::Midpoint,
             density_blend: 0.0,
-            pressure_tolerance: 1e-10,
-            pressure_max_iterations: 2000,
         },
+        pressure: PressureSettings::default(),
+        network: Network::shipped().expect("the shipped network"),
     })
     .expect("a sound set-up");
     let particles = &mut fluid.state.particles;
@@ -100,7 +104,7 @@ fn error(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
 
 /// Errors of gradient, divergence, Laplacian and solution of the pressure equation.
 fn errors(discretisation: Discretisation, rows: usize, jitter: f64) -> [f64; 4] {
-    let mut fluid = tank(discretisation, rows, jitter);
+    let fluid = tank(discretisation, rows, jitter);
     let spacing = fluid.setup.numerics.particle_spacing;
     let fields = Fluid::fields(&fluid.setup, &fluid.state.particles, &fluid.walls, &fluid.work);
     let position = fields.position;
@@ -130,7 +134,8 @@ fn errors(discretisation: Discretisation, rows: usize, jitter: f64) -> [f64; 4] 
         rhs[i] = [known(i) - spacing * spacing * laplacian(&position[i]) / locals[i].diagonal];
     }
     let mut product = values.clone();
-    fluid.work.matrix.multiply(&values, &mut product);
+    let sums = &mut Vec::new();
+    let _: [Entry<1>; 0] = fluid.work.matrix.multiply(&values, &mut product, sums, |_, _, _| {});
     let laplacian_error = error(inner.iter().map(|&i| {
         let found = (known(i) - product[i][0]) * locals[i].diagonal / (spacing * spacing);
         (found, laplacian(&position[i]))
@@ -138,10 +143,10 @@ fn errors(discretisation: Discretisation, rows: usize, jitter: f64) -> [f64; 4] 
 
     let mut solution = vec![[0.0]; position.len()];
     let stop = Stop { relative: 1e-10, absolute: 0.0, iterations: 2000 };
-    let preconditioner = &mut fluid.state.preconditioner;
+    let mut preconditioner = Preconditioner::default();
     preconditioner.factorize(&fluid.work.matrix, rhs.len());
-    let krylov = &mut fluid.work.krylov;
-    let report = krylov.solve(&fluid.work.matrix, preconditioner, &rhs, &mut solution, stop);
+    let matrix = &fluid.work.matrix;
+    let report = Krylov::default().solve(matrix, &mut preconditioner, &rhs, &mut solution, stop);
     assert!(report.converged, "{report:?}");
     let solution_error = error(inner.iter().map(|&i| (solution[i][0], exact[i])));
     [gradient_error, divergence_error, laplacian_error, solution_error]

@@ -5,7 +5,10 @@
 
 use crate::error::FluidError;
 use crate::fluid::Fluid;
-use crate::setup::{Discretisation, FluidSetup, InitialFlow, Integrator, Numerics, Tank, Water};
+use crate::network::Network;
+use crate::setup::{
+    Discretisation, FluidSetup, InitialFlow, Integrator, Numerics, PressureSettings, Tank, Water,
+};
 use nalgebra::{Point2, Vector2};
 use std::f64::consts::PI;
 
@@ -61,9 +64,9 @@ fn run(
             discretisation,
             integrator,
             density_blend: 0.01,
-            pressure_tolerance: 1e-3,
-            pressure_max_iterations: 500,
         },
+        pressure: PressureSettings::default(),
+        network: Network::shipped().expect("the shipped network"),
     };
     let mut fluid = Fluid::flowing(setup, &StandingWave)?;
     let exact = 2.0 * PI / frequency();
