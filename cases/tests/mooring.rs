@@ -179,7 +179,7 @@ fn lines_that_cannot_be() {
         ),
         (
             first(spring, "stiffness_n_m2 = 100\npretension_n_m = 50"),
-            ["mooring[0]", "unstretched length (m) = -0.05"],
+            ["mooring[0]", "unstretched length (m) = -0.0"],
         ),
         (
             first(spring, "stiffness_n_m2 = 100\nunstretched_length_m = -1"),

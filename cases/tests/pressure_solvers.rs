@@ -1,4 +1,4 @@
-//! The same scene with every pressure solver: a free body in water at rest.
+//! The same scene with every pressure solver: a body released in water at rest.
 
 #![allow(clippy::unwrap_used, reason = "a panic in a test is a report")]
 
@@ -11,7 +11,8 @@ use serde_json::Value;
 fn heave(settings: &[&str]) -> (Value, f64) {
     let directory = directory();
     let mut arguments = vec!["run", "small.toml", "--quiet", "--out", "out"];
-    arguments.extend(["--set", "end_time_s=0.3"]);
+    // Released 10 mm above where it floats.
+    arguments.extend(["--set", "end_time_s=0.3", "--set", "body.position_m=[0.4, 0.21]"]);
     arguments.extend(settings);
     let output = run(directory.path(), &arguments);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -37,8 +38,8 @@ fn every_solver_gives_the_same_motion() {
         assert!(off < 0.01, "{settings:?}: {found} instead of {reference}");
         let steps = summary["steps"].as_f64().unwrap();
         let fallbacks = summary["fallback_count"].as_f64().unwrap();
-        // The first steps from rest have no last pressure to correct.
-        assert!(fallbacks <= 0.02 * steps + 2.0, "{settings:?}: {fallbacks} of {steps}");
+        // Measured: 7 of 150 by the guarded network, most of them right after the release.
+        assert!(fallbacks <= 0.1 * steps, "{settings:?}: {fallbacks} of {steps}");
     }
 }
 
@@ -47,5 +48,7 @@ fn a_guard_that_nothing_passes_falls_back_every_step() {
     let strict = ["--pressure", "guarded", "--set", "pressure.guard_tolerance=1e-12"];
     let (summary, _) =
         heave(&[&strict[..], &["--set", "pressure.divergence_tolerance=0"]].concat());
-    assert_eq!(summary["fallback_count"], summary["steps"]);
+    let count = |what: &str| summary[what].as_u64().unwrap();
+    // In the first step from rest there may be nothing to correct.
+    assert!(count("fallback_count") + 1 >= count("steps"), "{summary:#}");
 }
