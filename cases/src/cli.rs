@@ -34,6 +34,8 @@ pub(crate) enum Command {
     },
     /// Show what the wave of a case should be, by theory, and how the paddle moves
     Wave(WaveArguments),
+    /// Run cases and hold them against their references
+    Validate(ValidateArguments),
     /// Run a case over a grid of settings and set its error against its run time
     Bench(BenchArguments),
     /// Tensions of the mooring lines of a case for a motion that is given, without water
@@ -49,6 +51,9 @@ pub(crate) enum Command {
 pub(crate) struct CaseArguments {
     /// A case file, or the name of a case that comes with the program
     pub(crate) case: String,
+    /// Take the coarse variant of the case, which runs in a minute or two
+    #[arg(long)]
+    pub(crate) coarse: bool,
     /// Override a key, such as water.depth_m=0.5 or body[0].angle_deg=5; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
@@ -135,6 +140,35 @@ pub(crate) struct BenchArguments {
     pub(crate) threads: Option<NonZeroUsize>,
 }
 
+/// What is validated.
+#[derive(Debug, Args)]
+pub(crate) struct ValidateArguments {
+    /// Case files, or names of cases that come with the program; without any, all of those that
+    /// name references
+    pub(crate) cases: Vec<String>,
+    /// Run the cases as they stand, not their coarse variants: hours for all of them
+    #[arg(long)]
+    pub(crate) full: bool,
+    /// Run once with each of these pressure solvers: ppe, network or guarded
+    #[arg(long, value_name = "SOLVERS", value_delimiter = ',')]
+    pub(crate) pressure: Vec<String>,
+    /// Override a key in every case; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Run nothing: compare the results in this directory; may be repeated, one for each case
+    #[arg(long, value_name = "DIR", requires = "cases", conflicts_with_all = ["full", "pressure", "set"])]
+    pub(crate) results: Vec<PathBuf>,
+    /// Directory for the results; without it results/validation, numbered if that is taken
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write into the directory named by --out even if it is not empty
+    #[arg(long, requires = "out")]
+    pub(crate) force: bool,
+    /// Threads to use; without it as many as there are processors
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+}
+
 /// Which sizes to compare the pressure solvers at.
 #[derive(Debug, Args)]
 pub(crate) struct BenchPressureArguments {
@@ -155,7 +189,7 @@ pub(crate) struct BenchPressureArguments {
 /// The command that is run where none is given.
 pub(crate) fn main_job() -> Command {
     Command::Run(RunArguments {
-        case: CaseArguments { case: MAIN_CASE.to_owned(), set: Vec::new() },
+        case: CaseArguments { case: MAIN_CASE.to_owned(), coarse: false, set: Vec::new() },
         pressure: None,
         out: None,
         force: false,

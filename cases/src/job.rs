@@ -2,9 +2,9 @@
 
 use crate::case::Case;
 use crate::findings::{energy_error, findings};
-use crate::output::plot::{self, Panel};
 use crate::output::summary::{Status, Summary, peak_memory};
 use crate::output::{OutputError, Recorder, directory};
+use crate::plot::{Curve, Figure, Panel};
 use crate::simulation::{Sample, Simulation, SimulationError, displacement};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -210,25 +210,25 @@ fn draw_plots(case: &Case, directory: &Path, samples: &[Sample]) -> Result<(), O
             let (body, points) = (&scene.bodies[index], samples.iter());
             let value =
                 |s: &Sample| scale * displacement(&s.motion[index], body.equilibrium)[direction];
-            (body.name.clone(), points.map(|s| (s.time, value(s))).collect())
+            Curve::line(&body.name, points.map(|s| (s.time, value(s))).collect())
         };
         let panels: Vec<Panel> = directions
             .into_iter()
             .enumerate()
-            .map(|(direction, (label, scale))| Panel {
-                label: label.to_owned(),
-                curves: (0..scene.bodies.len()).map(|i| curve(i, direction, scale)).collect(),
+            .map(|(direction, (label, scale))| {
+                let curves = (0..scene.bodies.len()).map(|i| curve(i, direction, scale));
+                Panel::over_time(label, curves.collect())
             })
             .collect();
-        plot::draw(&directory.join("motion.svg"), &case.name, &panels)
+        Figure::new(&case.name, panels).write(&directory.join("motion.svg"))
     } else if !scene.gauges.is_empty() {
         let curve = |(index, gauge): (usize, &crate::scene::Gauge)| {
             let points = samples.iter().filter_map(|s| Some((s.time, s.elevations[index]?)));
-            (gauge.name.clone(), points.collect())
+            Curve::line(&gauge.name, points.collect())
         };
         let curves = scene.gauges.iter().enumerate().map(curve).collect();
-        let panel = Panel { label: "elevation (m)".to_owned(), curves };
-        plot::draw(&directory.join("elevation.svg"), &case.name, &[panel])
+        let panel = Panel::over_time("elevation (m)", curves);
+        Figure::new(&case.name, vec![panel]).write(&directory.join("elevation.svg"))
     } else {
         Ok(())
     }

@@ -10,17 +10,18 @@ mod report;
 use clap::Parser;
 use cli::{
     BenchArguments, BenchPressureArguments, CaseArguments, Cli, Command, MooringArguments,
-    RunArguments, WaveArguments,
+    RunArguments, ValidateArguments, WaveArguments,
 };
 use progress::ProgressDisplay;
 use seakeep::bench;
-use seakeep::case::{Case, library};
+use seakeep::case::{Case, Resolution, library};
 use seakeep::job::{self, JobError};
 use seakeep::mooring_job::{self, MooringError};
 use seakeep::output::{directory, summary::Status};
 use seakeep::plan::plan;
 use seakeep::pressure_bench::{self, BenchError};
 use seakeep::theory;
+use seakeep::validation::{self, ValidationError};
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run(&arguments),
         Command::Check { case, plan } => check(&case, plan),
         Command::Wave(arguments) => wave(&arguments),
+        Command::Validate(arguments) => validate(&arguments),
         Command::Bench(arguments) => bench(&arguments),
         Command::Mooring(arguments) => mooring(&arguments),
         Command::List => list(),
@@ -109,11 +111,67 @@ fn stop_on_signal() -> Result<Arc<AtomicBool>, Stop> {
     Ok(stop)
 }
 
+fn validate(arguments: &ValidateArguments) -> Result<(), Stop> {
+    let failed = |error: ValidationError| match error {
+        ValidationError::Case(_) | ValidationError::NoReference(_) => refused(error),
+        ValidationError::Job(JobError::Setup(_) | JobError::Threads(_)) => refused(error),
+        _ => Stop { message: error.to_string(), code: FAILED },
+    };
+    let given = arguments.results.len();
+    if given > 0 && given != arguments.cases.len() {
+        let cases = arguments.cases.len();
+        return Err(refused(format!("--results: {given} directories for {cases} cases")));
+    }
+    let variant = resolution(!arguments.full && given == 0);
+    let cases = validation::cases(&arguments.cases, variant, &arguments.set, &arguments.pressure)
+        .map_err(failed)?;
+    let out = directory::choose("validation", arguments.out.as_deref(), arguments.force)
+        .map_err(refused)?;
+    let (threads, stop) = (threads(arguments.threads), stop_on_signal()?);
+    let mut runs = Vec::new();
+    for (index, case) in cases.iter().enumerate() {
+        let run = match arguments.results.get(index) {
+            Some(results) => validation::read(case, results).map_err(refused)?,
+            None => {
+                say(&format!("{}/{} {}\n", index + 1, cases.len(), case.name));
+                let folder = out.join(format!("{}-{}", case.name, validation::solver(case)));
+                let mut display = ProgressDisplay::new(false, case);
+                let observe = &mut |progress| display.update(progress);
+                let run = validation::run(case, &folder, threads, &stop, observe);
+                display.finish();
+                run.map_err(failed)?
+            }
+        };
+        runs.push(run);
+        // After each run, so that an interrupted validation leaves what it has.
+        validation::write(&out, &runs).map_err(failed)?;
+        if stop.load(Ordering::Relaxed) {
+            let message = format!("interrupted in {}", case.name);
+            return Err(Stop { message, code: FAILED });
+        }
+    }
+    say(&format!("\n{}\n", validation::table(&runs)));
+    say(&format!("page and table in {}\n", out.display()));
+    let broken: Vec<String> = runs
+        .iter()
+        .filter_map(|run| Some(format!("{}: {}", run.case, run.failure.as_ref()?)))
+        .collect();
+    if broken.is_empty() {
+        return Ok(());
+    }
+    Err(Stop { message: broken.join("\n"), code: FAILED })
+}
+
 fn bench(arguments: &BenchArguments) -> Result<(), Stop> {
     let base = load(&arguments.case)?;
     warn(&base);
-    let cases = bench::cases(&arguments.case.case, &arguments.case.set, &arguments.vary)
-        .map_err(refused)?;
+    let cases = bench::cases(
+        &arguments.case.case,
+        resolution(arguments.case.coarse),
+        &arguments.case.set,
+        &arguments.vary,
+    )
+    .map_err(refused)?;
     let name = format!("{}-bench", base.name);
     let out =
         directory::choose(&name, arguments.out.as_deref(), arguments.force).map_err(refused)?;
@@ -236,12 +294,17 @@ fn bench_pressure(arguments: &BenchPressureArguments) -> Result<(), Stop> {
 /// The case of a run, with the pressure solver that the command line asks for.
 fn with_pressure(arguments: &RunArguments) -> CaseArguments {
     let solver = arguments.pressure.iter().map(|solver| format!("pressure.solver={solver:?}"));
-    let CaseArguments { case, set } = &arguments.case;
-    CaseArguments { case: case.clone(), set: set.iter().cloned().chain(solver).collect() }
+    let CaseArguments { case, coarse, set } = &arguments.case;
+    let set = set.iter().cloned().chain(solver).collect();
+    CaseArguments { case: case.clone(), coarse: *coarse, set }
 }
 
 fn load(arguments: &CaseArguments) -> Result<Case, Stop> {
-    Case::load(&arguments.case, &arguments.set).map_err(refused)
+    Case::load_as(&arguments.case, resolution(arguments.coarse), &arguments.set).map_err(refused)
+}
+
+fn resolution(coarse: bool) -> Resolution {
+    if coarse { Resolution::Coarse } else { Resolution::Full }
 }
 
 /// Says what can be run but may not be what was meant.

@@ -4,7 +4,7 @@ use crate::case::{BodyKeys, CaseKeys, EngineName, TableName};
 use crate::wavemaker;
 use crate::waves::StillWater;
 use crate::waves::plan::WavePlan;
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Point2, Rotation2, Vector2};
 use seakeep_body::{BodyError, Contacts, Harmonic, MooringLine, PrescribedMotion, TimeSeries};
 use seakeep_coupler::Coupling;
 use seakeep_coupler::interface::BoundaryKinematics;
@@ -177,8 +177,21 @@ pub struct Gauge {
 pub struct Probe {
     /// Name in the table.
     pub name: String,
-    /// Where it measures, m.
+    /// The body that it is fastened to, by its index; without one it stands still.
+    pub body: Option<usize>,
+    /// Where it measures, m: in the tank, or from the centre of mass of its body at angle 0.
     pub point: Point2<f64>,
+}
+
+impl Probe {
+    /// Where it is when the bodies are at `motion`, m.
+    #[must_use]
+    pub fn place(&self, motion: &[BoundaryKinematics]) -> Point2<f64> {
+        match self.body.and_then(|index| motion.get(index)) {
+            Some(body) => body.position + Rotation2::new(body.angle) * self.point.coords,
+            None => self.point,
+        }
+    }
 }
 
 /// What is written, and after how many steps.
@@ -250,7 +263,11 @@ impl Scene {
         let probes = keys
             .probe
             .iter()
-            .map(|p| Probe { name: p.name.clone(), point: Point2::new(p.x_m, p.y_m) })
+            .map(|p| Probe {
+                name: p.name.clone(),
+                body: p.body.as_ref().and_then(|on| keys.body.iter().position(|b| b.name == *on)),
+                point: Point2::new(p.x_m, p.y_m),
+            })
             .collect();
         let initial_water = match (&keys.water.standing_wave, keys.water.width_m) {
             (None, None) => InitialWater::Still,

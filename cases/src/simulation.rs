@@ -59,6 +59,8 @@ pub struct Sample {
     pub lines: Vec<LineState>,
     /// Elevation above still water at every gauge, m.
     pub elevations: Vec<Option<f64>>,
+    /// Where every probe is, m.
+    pub places: Vec<Point2<f64>>,
     /// Pressure at every probe, Pa.
     pub pressures: Vec<Option<f64>>,
     /// Velocity of the water at every probe, m/s.
@@ -165,16 +167,17 @@ impl Simulation {
         let found = self.fluid.diagnostics();
         let loads = if self.steps() == 0 { &[] } else { self.fluid.loads() };
         let elevation = |gauge: &crate::scene::Gauge| self.fluid.surface_elevation(gauge.x);
-        let pressure = |probe: &crate::scene::Probe| self.fluid.pressure_at(probe.point);
         let motion = self.kinematics().to_vec();
+        let places: Vec<_> = scene.probes.iter().map(|probe| probe.place(&motion)).collect();
         Sample {
             time: self.time(),
             lines: scene.lines.iter().map(|line| line.line.at(&motion[line.body])).collect(),
             motion,
             loads: loads.to_vec(),
             elevations: scene.gauges.iter().map(elevation).collect(),
-            pressures: scene.probes.iter().map(pressure).collect(),
-            velocities: scene.probes.iter().map(|p| self.fluid.velocity_at(p.point)).collect(),
+            pressures: places.iter().map(|place| self.fluid.pressure_at(*place)).collect(),
+            velocities: places.iter().map(|place| self.fluid.velocity_at(*place)).collect(),
+            places,
             diagnostics: DiagnosticsRow {
                 time_s: self.time(),
                 kinetic_energy_j_per_m: found.kinetic_energy,

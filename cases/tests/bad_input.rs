@@ -170,6 +170,11 @@ fn gauges_and_probes_outside_the_tank_and_inside_a_body() {
     refused(SMALL, &["--set", "probe.y_m=-0.1"], &[&["probe[0].y_m", "at least 0"]]);
     let inside = ["--set", "probe.x_m=0.4", "--set", "probe.y_m=0.2"];
     refused(SMALL, &inside, &[&["probe[0].x_m", "inside pontoon"]]);
+    let on = ["--set", "probe.body=\"pontoon\"", "--set", "probe.x_m=0"];
+    let point = |y| [&on[..], &["--set", y]].concat();
+    refused(SMALL, &point("probe.y_m=0.05"), &[&["probe[0].x_m", "inside pontoon"]]);
+    let body = ["--set", "probe.body=\"hull\""];
+    refused(SMALL, &body, &[&["probe[0].body", "there is no body \"hull\""]]);
 }
 
 #[test]

@@ -67,6 +67,37 @@ fn a_formula_is_followed() {
 }
 
 #[test]
+fn a_probe_on_a_body_goes_with_it_and_reads_the_pressure_there() {
+    let directory = directory();
+    let path = directory.path();
+    let sensor = "name = \"keel\"\nbody = \"pontoon\"\nx_m = 0.02\ny_m = -0.06";
+    let text = led("{ heave = { amplitude_m = 1e-4, period_s = 0.5, phase_deg = 90 }, \
+                    roll = { amplitude_deg = 2, period_s = 100 } }")
+    .replace("name = \"bed\"\nx_m = 0.1\ny_m = 0.05", sensor);
+    std::fs::write(path.join("led.toml"), text).unwrap();
+    let output = run(path, &["run", "led.toml", "--out", "out", "--quiet"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let table = std::fs::read_to_string(path.join("out/probes.csv")).unwrap();
+    let row =
+        |line: &str| -> Vec<f64> { line.split(',').filter_map(|cell| cell.parse().ok()).collect() };
+    for (probe, body) in table.lines().skip(1).map(row).zip(motion(&path.join("out"))) {
+        let [t, x, y, pressure, ..] = probe[..] else { panic!("{probe:?} is not wet") };
+        let [_, sway, heave, roll, ..] = body;
+        let place = [
+            0.4 + sway + 0.02 * roll.cos() + 0.06 * roll.sin(),
+            0.19 + heave + 0.02 * roll.sin() - 0.06 * roll.cos(),
+        ];
+        assert!((x - place[0]).abs() < 1e-12 && (y - place[1]).abs() < 1e-12, "{probe:?}");
+        if t == 0.0 {
+            continue;
+        }
+        // Hydrostatics, and the added mass of so small a motion: 16 mm/s² times some 5 cm of water.
+        let still = 9810.0 * (0.2 - y);
+        assert!((pressure - still).abs() < 0.01 * still, "{pressure} {still}");
+    }
+}
+
+#[test]
 fn motions_that_cannot_be_followed() {
     let good = "0,0,0,0\n0.05,0.001,0,0\n0.1,0.002,0,0\n0.2,0,0,0\n";
     let header = "time_s,sway_m,heave_m,roll_rad\n";

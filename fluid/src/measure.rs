@@ -13,6 +13,9 @@ const CONNECTED: usize = 6;
 /// Surface particles that lie further below the highest than this, in spacings, belong to another
 /// sheet of an overturning wave.
 const SAME_SHEET: f64 = 3.0;
+/// A point that lies no further inside a boundary than this, in spacings, lies on its outline, but
+/// for rounding.
+const ON_OUTLINE: f64 = 1e-6;
 
 impl Fluid {
     /// Elevation of the free surface above still water at `x`, m: a quadratic fit to the surface
@@ -75,13 +78,15 @@ impl Fluid {
     /// The value at `point` of a field that the particles around carry.
     fn functional_at(&self, point: Point2<f64>) -> Option<PointPressure> {
         let depth = self.setup.water.depth;
-        if self.surface_elevation(point.x).is_none_or(|eta| point.y > depth + eta)
+        let spacing = self.setup.numerics.particle_spacing;
+        // Without a surface above it a point may still lie in the water under a boundary.
+        if self.surface_elevation(point.x).is_some_and(|eta| point.y > depth + eta)
             || (0..self.setup.boundaries.len())
-                .any(|b| signed_distance(&self.polygon(b), point) < 0.0)
+                .any(|b| signed_distance(&self.polygon(b), point) < -ON_OUTLINE * spacing)
         {
             return None;
         }
-        let radius = fit::RADIUS * self.setup.numerics.particle_spacing;
+        let radius = fit::RADIUS * spacing;
         let particles = &self.state.particles;
         let fields = Fields {
             position: &particles.position,

@@ -12,7 +12,7 @@ pub use grid::{Variation, grid};
 pub use plot::draw;
 pub use table::write;
 
-use crate::case::{Case, CaseError};
+use crate::case::{Case, CaseError, Resolution};
 use crate::job::{self, JobError};
 use crate::output::OutputError;
 use crate::output::summary::{Status, Summary};
@@ -62,6 +62,7 @@ pub enum BenchError {
 /// The first combination that is no case.
 pub fn cases(
     asked: &str,
+    resolution: Resolution,
     settings: &[String],
     variations: &[Variation],
 ) -> Result<Vec<(Vec<String>, Case)>, CaseError> {
@@ -71,7 +72,7 @@ pub fn cases(
         .into_iter()
         .map(|varied| {
             let overrides = [&quiet[..], settings, &varied].concat();
-            Ok((varied, Case::load(asked, &overrides)?))
+            Ok((varied, Case::load_as(asked, resolution, &overrides)?))
         })
         .collect()
 }
@@ -144,9 +145,13 @@ mod tests {
     #[test]
     fn combinations_that_are_no_case_are_refused_before_anything_runs() {
         let vary: Variation = "numerics.particle_spacing_m=0.02,0.01,9".parse().unwrap();
-        assert!(matches!(cases("still_tank", &[], &[vary]), Err(CaseError::Invalid(_))));
+        assert!(matches!(
+            cases("still_tank", Resolution::Full, &[], &[vary]),
+            Err(CaseError::Invalid(_))
+        ));
         let vary: Variation = "numerics.particle_spacing_m=0.02,0.01".parse().unwrap();
-        let found = cases("still_tank", &["end_time_s=0.5".to_owned()], &[vary]).unwrap();
+        let found =
+            cases("still_tank", Resolution::Full, &["end_time_s=0.5".to_owned()], &[vary]).unwrap();
         assert_eq!(found.len(), 2);
         let spacing = |n: usize| found[n].1.keys.numerics.particle_spacing_m;
         assert_eq!((spacing(0), spacing(1)), (0.02, 0.01));

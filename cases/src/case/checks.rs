@@ -3,7 +3,7 @@
 use super::body_checks::check_bodies;
 use super::source::Source;
 use super::wave_checks::check_wave_values;
-use super::{CaseKeys, Problem, moorings};
+use super::{CaseKeys, Problem, moorings, references};
 use std::collections::HashSet;
 use std::fmt;
 
@@ -160,9 +160,20 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
         check.number(&key, gauge.x_m, within_tank(tank.length_m));
     }
     for (index, probe) in keys.probe.iter().enumerate() {
-        check.number(&format!("probe[{index}].x_m"), probe.x_m, within_tank(tank.length_m));
-        check.number(&format!("probe[{index}].y_m"), probe.y_m, within_tank(tank.height_m));
+        let (across, up) = match &probe.body {
+            None => (within_tank(tank.length_m), within_tank(tank.height_m)),
+            Some(_) => (FINITE, FINITE),
+        };
+        check.number(&format!("probe[{index}].x_m"), probe.x_m, across);
+        check.number(&format!("probe[{index}].y_m"), probe.y_m, up);
+        if let Some(name) = &probe.body {
+            let known = keys.body.iter().any(|body| body.name == *name);
+            check.require(known, &format!("probe[{index}].body"), || {
+                format!("there is no body \"{name}\"")
+            });
+        }
     }
+    references::check(&mut check, keys);
     for (index, zone) in keys.damping_zone.iter().enumerate() {
         let key = |name: &str| format!("damping_zone[{index}].{name}");
         let allowed = within_tank(tank.length_m);

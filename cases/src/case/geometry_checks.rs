@@ -1,10 +1,10 @@
 //! Checks of how the parts of a scene fit together. They assume that every number is in range.
 
 use super::checks::{Allowed, Checker};
-use super::resolve::corners;
+use super::resolve::{centre_of_mass, corners};
 use super::source::Source;
 use super::{CaseKeys, Problem, moorings};
-use crate::geometry::{area_integrals, below, contains, is_simple, overlap};
+use crate::geometry::{area_integrals, below, contains, distance_to_outline, is_simple, overlap};
 use nalgebra::{Point2, Rotation2};
 
 /// Fewest rows of particles over the depth with which a wave can be told from noise.
@@ -12,6 +12,9 @@ const MIN_ROWS: f64 = 4.0;
 
 /// Most particles that a run may have: beyond this the spacing is a mistake.
 const MAX_PARTICLES: f64 = 2e7;
+
+/// Distance from its outline, over the size of a body, at which a point lies on it.
+const ON_OUTLINE: f64 = 1e-6;
 
 /// Everything that does not fit together.
 pub(super) fn check_geometry(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
@@ -56,6 +59,16 @@ pub(super) fn check_geometry(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
     moorings::check_geometry(&mut check, keys);
     for (index, probe) in keys.probe.iter().enumerate() {
         let point = Point2::new(probe.x_m, probe.y_m);
+        if let Some(body) = keys.body.iter().find(|body| Some(&body.name) == probe.body.as_ref()) {
+            let (outline, place) = (corners(body), point - centre_of_mass(body));
+            let size = outline.iter().map(|corner| corner.coords.norm()).fold(0.0, f64::max);
+            let inside = contains(&outline, place)
+                && distance_to_outline(&outline, place) > ON_OUTLINE * size;
+            check.require(!inside, &format!("probe[{index}].x_m"), || {
+                format!("({}, {}) m lies inside {}", probe.x_m, probe.y_m, body.name)
+            });
+            continue;
+        }
         let body = placed.iter().find(|(_, outline)| contains(outline, point));
         check.require(body.is_none(), &format!("probe[{index}].x_m"), || {
             let name = body.map_or("", |(index, _)| &keys.body[*index].name);

@@ -5,6 +5,7 @@
 use super::body_keys::{BodyKeys, ContactKeys};
 use super::coupling::CouplingKeys;
 use super::mooring_keys::MooringKeys;
+use super::reference_keys::{ComparisonKeys, ReferenceKeys};
 use super::wave_keys::{InitialWaveKeys, WaveKeys, WavemakerKeys};
 use seakeep_fluid::setup::{
     Discretisation, Integrator, PreconditionerKind, PressureSettings, SolverKind, Start,
@@ -19,6 +20,9 @@ pub struct CaseKeys {
     /// One line for `seakeep list`.
     #[serde(default)]
     pub description: String,
+    /// Overrides (`key=value`) that make the case coarse and quick, for `--coarse`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub coarse: Vec<String>,
     /// Simulated time, s.
     pub end_time_s: f64,
     /// The tank.
@@ -60,6 +64,12 @@ pub struct CaseKeys {
     /// Pressure probes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probe: Vec<ProbeKeys>,
+    /// How results and references are brought together.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub comparison: ComparisonKeys,
+    /// What the results are held against by `seakeep validate`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reference: Vec<ReferenceKeys>,
     /// Zones that absorb waves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub damping_zone: Vec<DampingZoneKeys>,
@@ -252,9 +262,12 @@ pub struct GaugeKeys {
 pub struct ProbeKeys {
     /// Name in the table.
     pub name: String,
-    /// Where the pressure is measured, m.
+    /// The body that it is fastened to; without one it stands in the tank.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<String>,
+    /// Where the pressure is measured, m: in the tank, or in the frame of the body's shape.
     pub x_m: f64,
-    /// Height above the bed, m.
+    /// Height above the bed, or along the frame of the body's shape, m.
     pub y_m: f64,
 }
 

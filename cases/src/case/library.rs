@@ -18,6 +18,24 @@ macro_rules! cases {
     };
 }
 
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../", $name)))),*]
+    };
+}
+
+/// The text of a reference file that comes with the program, by its path beside the case files.
+#[must_use]
+pub(super) fn reference_file(path: &str) -> Option<&'static str> {
+    let files: &[(&str, &str)] = files![
+        "reference/ren2015/elevation.csv",
+        "reference/ren2015/heave.csv",
+        "reference/ren2015/roll.csv",
+        "reference/ren2015/sway.csv",
+    ];
+    files.iter().find(|(name, _)| *name == path).map(|(_, text)| *text)
+}
+
 /// Every case that comes with the program, in the order of `seakeep list`.
 #[must_use]
 pub fn library() -> &'static [LibraryCase] {
@@ -29,13 +47,19 @@ pub fn library() -> &'static [LibraryCase] {
         "focused_wave",
         "buoyancy",
         "heave_decay",
-        "roll_decay"
+        "roll_decay",
+        "free_box_waves",
+        "solitary_box",
+        "moored_breakwater",
+        "green_water",
+        "ship_section",
+        "two_boxes"
     ]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Case;
+    use super::super::{Case, Resolution};
     use super::*;
 
     #[test]
@@ -46,6 +70,9 @@ mod tests {
             let text = case.to_toml().unwrap();
             let again = Case::parse(known.name, "resolved.toml", &text, &[]).unwrap();
             assert_eq!(again, case);
+            let coarse = Case::load_as(known.name, Resolution::Coarse, &[]).unwrap();
+            let spacing = |case: &Case| case.keys.numerics.particle_spacing_m;
+            assert!(spacing(&coarse) > spacing(&case), "{}", known.name);
         }
     }
 

@@ -14,6 +14,8 @@ mod library;
 mod mooring_keys;
 mod moorings;
 mod motion;
+mod reference_keys;
+mod references;
 mod resolve;
 mod source;
 mod wave_checks;
@@ -31,6 +33,7 @@ pub use keys::{
 };
 pub use library::{LibraryCase, library};
 pub use mooring_keys::{LineKind, MooringKeys};
+pub use reference_keys::{ComparisonKeys, MeasureName, ReferenceKeys};
 pub use wave_keys::{
     AbsorptionKeys, BoardKind, InitialWaveKeys, WaveKeys, WaveKind, WavemakerKeys,
 };
@@ -53,6 +56,15 @@ pub struct Case {
     pub scene: Scene,
     /// What can be run but may not be what was meant, a line each.
     pub warnings: Vec<String>,
+}
+
+/// Which variant of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolution {
+    /// As the file says.
+    Full,
+    /// With the overrides under its key `coarse`.
+    Coarse,
 }
 
 /// One thing wrong with a case.
@@ -132,6 +144,19 @@ impl Case {
     /// # Errors
     /// [`CaseError`]: a case that is returned can be run.
     pub fn load(asked: &str, overrides: &[String]) -> Result<Self, CaseError> {
+        Self::load_as(asked, Resolution::Full, overrides)
+    }
+
+    /// The same with, for [`Resolution::Coarse`], the overrides that the case names as `coarse`
+    /// before those given; it is called `NAME-coarse` then.
+    ///
+    /// # Errors
+    /// As [`Self::load`]; also for a case without a coarse variant.
+    pub fn load_as(
+        asked: &str,
+        resolution: Resolution,
+        overrides: &[String],
+    ) -> Result<Self, CaseError> {
         let path = Path::new(asked);
         let known = library().iter().find(|case| case.name == asked);
         let (label, text) = match known {
@@ -145,7 +170,19 @@ impl Case {
         };
         let name =
             Path::new(&label).file_stem().map_or(asked.into(), |stem| stem.to_string_lossy());
-        Self::parse(&name, &label, &text, overrides)
+        match resolution {
+            Resolution::Full => Self::parse(&name, &label, &text, overrides),
+            Resolution::Coarse => {
+                let invalid = |problem| CaseError::Invalid(vec![problem]);
+                let (keys, source) = Source::read(&label, &text, &[]).map_err(invalid)?;
+                if keys.coarse.is_empty() {
+                    let message = "missing: the case has no coarse variant".to_owned();
+                    return Err(invalid(source.problem("coarse", message)));
+                }
+                let overrides = [&keys.coarse, overrides].concat();
+                Self::parse(&format!("{name}-coarse"), &label, &text, &overrides)
+            }
+        }
     }
 
     /// The case `text`, called `label` in messages.
@@ -170,6 +207,9 @@ impl Case {
                 CaseError::Invalid(vec![source.problem("wave.file", message)])
             })?;
         }
+        // What was asked for is in place by now.
+        keys.coarse.clear();
+        references::read(&mut keys, folder, &source).map_err(CaseError::Invalid)?;
         refuse_if_any(checks::check_values(&keys, &source))?;
         let motions = motion::prescribed(&mut keys, folder, &source).map_err(CaseError::Invalid)?;
         refuse_if_any(geometry_checks::check_geometry(&keys, &source))?;

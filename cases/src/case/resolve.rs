@@ -24,6 +24,13 @@ pub(super) fn resolve(mut keys: CaseKeys) -> CaseKeys {
             line.fairlead_m = (Vector2::from(line.fairlead_m) - centre_of_mass(body)).into();
         }
     }
+    // So do the probes on bodies.
+    for probe in &mut keys.probe {
+        if let Some(body) = keys.body.iter().find(|body| Some(&body.name) == probe.body.as_ref()) {
+            let centre = centre_of_mass(body);
+            (probe.x_m, probe.y_m) = (probe.x_m - centre.x, probe.y_m - centre.y);
+        }
+    }
     keys.body = keys.body.into_iter().map(resolve_body).collect();
     keys
 }

@@ -104,6 +104,12 @@ fn is_empty(directory: &Path) -> Result<bool, DirectoryError> {
     }
 }
 
+/// A run, or runs beside each other: those of a bench or a validation.
 fn is_result(directory: &Path) -> bool {
-    std::fs::read_to_string(directory.join(RESOLVED_CASE)).is_ok_and(|text| text.starts_with(MARK))
+    let marked = |path: &Path| {
+        let text = std::fs::read_to_string(path.join(RESOLVED_CASE));
+        text.is_ok_and(|text| text.starts_with(MARK))
+    };
+    let mut entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
+    marked(directory) || entries.any(|entry| marked(&entry.path()))
 }

@@ -1,7 +1,6 @@
 //! What a run writes: the tables of the output contract, the recording, the plot, the summary.
 
 pub mod directory;
-pub mod plot;
 mod recorder;
 mod recording;
 pub mod rows;

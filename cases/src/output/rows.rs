@@ -1,8 +1,8 @@
 //! The rows of the tables: one struct a table, whose fields are the columns of the contract.
 
-use crate::scene::{Gauge, Probe, Scene};
+use crate::case::TableName;
+use crate::scene::{Gauge, Scene};
 use crate::simulation::{Sample, displacement};
-use nalgebra::Vector2;
 use serde::Serialize;
 
 /// A row: written to a table and to the recording alike.
@@ -186,6 +186,32 @@ impl Row for DiagnosticsRow {
     const NAMED_BY: Option<&'static str> = None;
 }
 
+/// The columns of a table, in order.
+#[must_use]
+pub fn columns(table: TableName) -> &'static [&'static str] {
+    match table {
+        TableName::Motion => MotionRow::COLUMNS,
+        TableName::Loads => LoadsRow::COLUMNS,
+        TableName::Mooring => MooringRow::COLUMNS,
+        TableName::Gauges => GaugesRow::COLUMNS,
+        TableName::Probes => ProbesRow::COLUMNS,
+        TableName::Diagnostics => DiagnosticsRow::COLUMNS,
+    }
+}
+
+/// The column of a table that names what a row is about, if there is one.
+#[must_use]
+pub fn named_by(table: TableName) -> Option<&'static str> {
+    match table {
+        TableName::Motion => MotionRow::NAMED_BY,
+        TableName::Loads => LoadsRow::NAMED_BY,
+        TableName::Mooring => MooringRow::NAMED_BY,
+        TableName::Gauges => GaugesRow::NAMED_BY,
+        TableName::Probes => ProbesRow::NAMED_BY,
+        TableName::Diagnostics => DiagnosticsRow::NAMED_BY,
+    }
+}
+
 /// The motion of every body.
 pub fn motion<'a>(
     scene: &'a Scene,
@@ -254,18 +280,16 @@ pub fn probes<'a>(
     scene: &'a Scene,
     sample: &'a Sample,
 ) -> impl Iterator<Item = ProbesRow<'a>> + 'a {
-    let found = sample.pressures.iter().zip(&sample.velocities);
-    let row =
-        |(probe, (pressure, velocity)): (&'a Probe, (&Option<f64>, &Option<Vector2<f64>>))| {
-            ProbesRow {
-                time_s: sample.time,
-                probe: &probe.name,
-                x_m: probe.point.x,
-                y_m: probe.point.y,
-                pressure_pa: *pressure,
-                velocity_x_m_s: velocity.map(|u| u.x),
-                velocity_y_m_s: velocity.map(|u| u.y),
-            }
-        };
-    scene.probes.iter().zip(found).map(row)
+    scene.probes.iter().enumerate().map(|(index, probe)| {
+        let (place, velocity) = (sample.places[index], sample.velocities[index]);
+        ProbesRow {
+            time_s: sample.time,
+            probe: &probe.name,
+            x_m: place.x,
+            y_m: place.y,
+            pressure_pa: sample.pressures[index],
+            velocity_x_m_s: velocity.map(|u| u.x),
+            velocity_y_m_s: velocity.map(|u| u.y),
+        }
+    })
 }

@@ -1,0 +1,253 @@
+//! The measures.
+
+use super::Found;
+use super::results::{Results, ResultsError, Series};
+use crate::analysis::comparison::relative_error;
+use crate::analysis::harmonics::harmonics;
+use crate::case::{Case, MeasureName, ReferenceKeys};
+use crate::plot::{Curve, Panel};
+use std::f64::consts::TAU;
+
+/// Steps of the search for the time shift, of its range.
+const SHIFT_STEPS: usize = 2000;
+
+/// What a run made of each reference of its case, in their order.
+pub type Comparison = Vec<(ReferenceKeys, Found)>;
+
+/// Holds `results` against the references of `case`.
+///
+/// # Errors
+/// When the results cannot be read. A figure that the run does not have is no error: what was
+/// found says so.
+pub fn compare(case: &Case, results: &Results) -> Result<Comparison, ResultsError> {
+    let mut runs = Vec::new();
+    for reference in &case.keys.reference {
+        runs.push(match (reference.table, &reference.column) {
+            (Some(table), Some(column)) => {
+                results.series(table, reference.of.as_deref(), column)?
+            }
+            _ => Series::default(),
+        });
+    }
+    let with_series: Vec<(&ReferenceKeys, &Series)> = case
+        .keys
+        .reference
+        .iter()
+        .zip(&runs)
+        .filter(|(reference, _)| reference.measure == Some(MeasureName::Series))
+        .collect();
+    let shift = case.keys.comparison.time_shift_s.map(|range| best_shift(range, &with_series));
+    let found = case.keys.reference.iter().zip(&runs).map(|(reference, run)| {
+        let found = match (&reference.finding, reference.measure) {
+            (Some(finding), _) => by_finding(reference, results.finding(finding)),
+            (None, Some(MeasureName::Series)) => by_series(reference, run, shift),
+            (None, measure) => by_figure(reference, run, measure),
+        };
+        (reference.clone(), found)
+    });
+    Ok(found.collect())
+}
+
+fn nothing(reason: &str) -> Found {
+    Found {
+        value: None,
+        reference: None,
+        error: None,
+        missing: Some(reason.to_owned()),
+        shift: None,
+        panel: None,
+    }
+}
+
+fn relative(value: f64, reference: f64) -> Option<f64> {
+    (reference != 0.0).then(|| (value / reference - 1.0).abs())
+}
+
+/// A finding against the reference's value, else its own theory; one that has neither is an error
+/// by itself.
+fn by_finding(reference: &ReferenceKeys, finding: Option<(f64, Option<f64>)>) -> Found {
+    let Some((value, theory)) = finding else { return nothing("the run has no such finding") };
+    let target = reference.value.map(|value| value * reference.scale).or(theory);
+    let error = match target {
+        Some(target) => relative(value, target),
+        None => Some(value.abs()),
+    };
+    Found { value: Some(value), reference: target, error, ..nothing("") }.complete()
+}
+
+/// The part of a run that is compared.
+fn window(reference: &ReferenceKeys, run: &Series) -> Series {
+    let (from, until) =
+        (reference.from_s.unwrap_or(f64::NEG_INFINITY), reference.until_s.unwrap_or(f64::INFINITY));
+    let pairs = run.0.iter().copied().zip(run.1.iter().copied());
+    pairs.filter(|(time, _)| *time >= from - 1e-9 && *time <= until + 1e-9).unzip()
+}
+
+fn by_figure(reference: &ReferenceKeys, run: &Series, measure: Option<MeasureName>) -> Found {
+    let (times, values) = window(reference, run);
+    let ended = run.0.last().copied().unwrap_or_default();
+    if values.len() < 2 || reference.until_s.is_some_and(|until| ended < until - 1e-6) {
+        return nothing("the run is too short");
+    }
+    let figure = |times: &[f64], values: &[f64]| match measure {
+        Some(MeasureName::Amplitude) => amplitude(times, values, reference.period_s?),
+        Some(MeasureName::Mean) => Some(values.iter().sum::<f64>() / values.len() as f64),
+        _ => values.iter().copied().reduce(f64::max),
+    };
+    let Some(value) = figure(&times, &values) else { return nothing("the run has no such figure") };
+    let target = match (reference.value, series_of(reference)) {
+        (Some(value), _) => Some(value * reference.scale),
+        (None, Some((times, values))) => figure(&times, &values),
+        (None, None) => None,
+    };
+    let Some(target) = target else { return nothing("the reference has no such figure") };
+    let ours = times.iter().copied().zip(values.iter().copied()).collect();
+    let mut curves = vec![Curve::line("seakeep", ours)];
+    // The figure that it should be, as a level; of an oscillation, about its mean.
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let about = if measure == Some(MeasureName::Amplitude) { mean } else { 0.0 };
+    if let (Some(start), Some(end)) = (times.first(), times.last()) {
+        let level = about + target;
+        curves.push(Curve::line("reference", vec![(*start, level), (*end, level)]));
+    }
+    Found {
+        value: Some(value),
+        reference: Some(target),
+        error: relative(value, target),
+        panel: Some(Panel::over_time(&label(reference), curves)),
+        ..nothing("")
+    }
+    .complete()
+}
+
+/// Amplitude of the first harmonic, two more and a trend beside it: a drifting body has one.
+fn amplitude(times: &[f64], values: &[f64], period: f64) -> Option<f64> {
+    let (start, end) = (*times.first()?, *times.last()?);
+    if end - start < 0.999 * period {
+        return None;
+    }
+    // The trend of whole periods: the mean of the last less that of the first, over the time
+    // between them.
+    let mean = |from: f64, until: f64| {
+        let part: Vec<f64> = times
+            .iter()
+            .zip(values)
+            .filter(|(time, _)| **time >= from && **time < until)
+            .map(|(_, value)| *value)
+            .collect();
+        (!part.is_empty()).then(|| part.iter().sum::<f64>() / part.len() as f64)
+    };
+    let slope = match end - start > 1.999 * period {
+        true => {
+            let lag = end - start - period;
+            (mean(end - period, end)? - mean(start, start + period)?) / lag
+        }
+        false => 0.0,
+    };
+    let level: Vec<f64> =
+        times.iter().zip(values).map(|(time, value)| value - slope * (time - start)).collect();
+    let found = harmonics(times, &level, TAU / period, 3)?;
+    found.amplitudes.first().map(|amplitude| amplitude.norm())
+}
+
+/// The series of a reference in the unit and sign of the table.
+fn series_of(reference: &ReferenceKeys) -> Option<Series> {
+    let values = reference.values.as_ref()?;
+    let scaled = values.iter().map(|value| value * reference.scale).collect();
+    Some((reference.times_s.clone()?, scaled))
+}
+
+fn label(reference: &ReferenceKeys) -> String {
+    let unit = reference.column.as_deref().unwrap_or_default();
+    format!("{} ({unit})", reference.name)
+}
+
+fn by_series(reference: &ReferenceKeys, run: &Series, shift: Option<f64>) -> Found {
+    let Some(matched) = Matched::new(reference, run, shift.unwrap_or(0.0)) else {
+        return nothing("the run is too short");
+    };
+    let ours = window(reference, run);
+    let shown = |time: f64| {
+        let (first, last) = (matched.times[0], matched.times[matched.times.len() - 1]);
+        time >= first - 1.0 && time <= last + 1.0
+    };
+    let line = ours.0.into_iter().zip(ours.1).filter(|(time, _)| shown(*time)).collect();
+    let dots = matched.times.iter().copied().zip(matched.reference.iter().copied()).collect();
+    let curves = vec![Curve::line("seakeep", line), Curve::dots("reference", dots)];
+    Found {
+        error: relative_error(&matched.found, &matched.reference),
+        shift,
+        panel: Some(Panel::over_time(&label(reference), curves)),
+        ..nothing("")
+    }
+    .complete()
+}
+
+/// A run read at the times of its reference.
+struct Matched {
+    times: Vec<f64>,
+    found: Vec<f64>,
+    reference: Vec<f64>,
+}
+
+impl Matched {
+    /// `None` if the run does not cover the times of the reference, later by `shift` (s), within
+    /// the window of the comparison.
+    fn new(reference: &ReferenceKeys, run: &Series, shift: f64) -> Option<Self> {
+        let (times, values) = series_of(reference)?;
+        let (from, until) =
+            (reference.from_s.unwrap_or(0.0), reference.until_s.unwrap_or(f64::INFINITY));
+        let (times, mut values): (Vec<f64>, Vec<f64>) = times
+            .iter()
+            .map(|time| time + shift)
+            .zip(values)
+            .filter(|(time, _)| *time >= from && *time <= until)
+            .unzip();
+        let found = times.iter().map(|time| interpolate(run, *time)).collect::<Option<Vec<_>>>()?;
+        if found.is_empty() {
+            return None;
+        }
+        if reference.free_level {
+            let pairs = found.iter().zip(&values);
+            let mean = pairs.map(|(a, b)| a - b).sum::<f64>() / found.len() as f64;
+            values.iter_mut().for_each(|value| *value += mean);
+        }
+        Some(Self { times, found, reference: values })
+    }
+}
+
+/// The value of a series at `time`, linearly between its rows; `None` outside of it.
+fn interpolate((times, values): &Series, time: f64) -> Option<f64> {
+    let after = times.partition_point(|known| *known < time);
+    match after {
+        0 => (times.first()? - time < 1e-9).then(|| values[0]),
+        _ if after == times.len() => (time - times.last()? < 1e-9).then(|| values[after - 1]),
+        _ => {
+            let part = (time - times[after - 1]) / (times[after] - times[after - 1]);
+            Some(values[after - 1] + part * (values[after] - values[after - 1]))
+        }
+    }
+}
+
+/// The shift within `range` with the least sum of squared errors of Eq. (31); its middle where no
+/// shift lets the run cover all references.
+fn best_shift([low, high]: [f64; 2], series: &[(&ReferenceKeys, &Series)]) -> f64 {
+    let cost = |shift: f64| {
+        let errors = series.iter().map(|(reference, run)| {
+            let matched = Matched::new(reference, run, shift)?;
+            Some(relative_error(&matched.found, &matched.reference)?.powi(2))
+        });
+        errors.sum::<Option<f64>>()
+    };
+    let shifts =
+        (0..=SHIFT_STEPS).map(|step| low + (high - low) * step as f64 / SHIFT_STEPS as f64);
+    let costs = shifts.filter_map(|shift| Some((shift, cost(shift)?)));
+    costs.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.5 * (low + high), |(shift, _)| shift)
+}
+
+impl Found {
+    /// Nothing is missing.
+    fn complete(self) -> Self {
+        Self { missing: None, ..self }
+    }
+}
