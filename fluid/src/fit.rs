@@ -24,7 +24,7 @@ const WALL_PIVOT_THRESHOLD: f64 = 1e-5;
 const LINEAR_FALLBACK: f64 = 10.0;
 
 /// Neighbours below which there is no fit: a few particles in the air fly freely.
-const FEWEST: usize = 6;
+const FEWEST: usize = 3;
 
 /// Weight of a Neumann row relative to a value row. A small weight keeps the condition where a
 /// quadratic field can meet it, and lets the fit give way where it cannot, at a corner and where
@@ -371,7 +371,7 @@ impl Rows {
 
     /// Whether there are too few neighbours for any fit.
     pub(crate) fn too_few(&self) -> bool {
-        self.values.len() + self.walls.len() < FEWEST
+        self.values.len() < FEWEST
     }
 
     /// `velocity` with a roughness that no smooth value exceeds.

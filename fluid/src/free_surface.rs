@@ -18,6 +18,9 @@ const SUBMERGES: f64 = 100.0 / 180.0 * PI;
 /// A wall particle fades out over this many spacings on either side of the local surface.
 const WALL_MARGIN: f64 = 0.5;
 
+/// A surface that faces a wall touches it when its particles are this near, in spacings.
+const TOUCH: f64 = 0.75;
+
 /// Positions and neighbourhoods that the tests look at.
 #[derive(Clone, Copy)]
 pub(crate) struct Surroundings<'a> {
@@ -147,7 +150,11 @@ pub(crate) fn wet(
         let (height, rise) = match nearest {
             None if close => (f64::NEG_INFINITY, 0.0),
             None => (f64::INFINITY, 0.0),
-            Some(s) => ((point - around.position[s]).dot(&normal[s]), tangent.dot(&normal[s])),
+            Some(s) => {
+                let facing = walls.normal[w].dot(&normal[s]).min(0.0);
+                let touch = TOUCH * facing * facing * around.spacing;
+                ((point - around.position[s]).dot(&normal[s]) - touch, tangent.dot(&normal[s]))
+            }
         };
         let activity = (0.5 - height / (2.0 * WALL_MARGIN * around.spacing)).clamp(0.0, 1.0);
         let wetted = if activity == 0.0 {

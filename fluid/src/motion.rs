@@ -26,10 +26,15 @@ impl Fluid {
         pressure.par_chunks_mut(BLOCK).enumerate().for_each(|(block, pressure)| {
             for (offset, pressure) in pressure.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
+                let air = this.surface_pressure(i);
+                let near_surface = |j: &u32| this.work.on_surface[*j as usize];
                 *pressure = if this.work.on_surface[i] {
-                    this.surface_pressure(i)
+                    air
                 } else {
-                    this.work.solution[i][0] + this.reaction_pressure(i)
+                    let water = this.work.solution[i][0] + this.reaction_pressure(i);
+                    // Next to the air water does not pull: it parts, and air comes between.
+                    let parts = water < air && this.work.fluid.of(i).iter().any(near_surface);
+                    if parts { air } else { water }
                 };
             }
         });
@@ -83,6 +88,36 @@ impl Fluid {
         self.work.scratch_vectors = velocity;
     }
 
+    /// Lets particles collide that approach each other faster than water does; see
+    /// [`regularise::collision`].
+    fn collide(&mut self, h: f64) {
+        let pace = self.setup.numerics.particle_spacing / h;
+        let spacing = self.setup.numerics.particle_spacing;
+        let mut change = std::mem::take(&mut self.work.scratch_vectors);
+        change.resize(self.state.particles.len(), Vector2::zeros());
+        let (particles, near) = (&self.state.particles, &self.work.fluid);
+        change.par_chunks_mut(BLOCK).enumerate().for_each(|(block, change)| {
+            for (offset, change) in change.iter_mut().enumerate() {
+                let i = block * BLOCK + offset;
+                let (x, u) = (particles.position[i], particles.velocity[i]);
+                *change = Vector2::zeros();
+                for j in near.of(i).iter().map(|&j| j as usize) {
+                    let d = (particles.position[j] - x) / spacing;
+                    let distance = d.norm();
+                    if distance < regularise::COLLISION_RANGE && distance > 0.0 {
+                        let ahead = d / distance;
+                        let approach = (u - particles.velocity[j]).dot(&ahead);
+                        *change += regularise::collision(ahead, distance, approach, pace);
+                    }
+                }
+            }
+        });
+        for (u, change) in self.state.particles.velocity.iter_mut().zip(&change) {
+            *u += change;
+        }
+        self.work.scratch_vectors = change;
+    }
+
     /// u ← u / (1 + γ(x) dt) in the damping zones.
     pub(crate) fn damp(&mut self, h: f64) {
         let particles = &mut self.state.particles;
@@ -98,8 +133,10 @@ impl Fluid {
         }
     }
 
-    /// Shifts particles, their velocity with them, and filters what no fit can resolve.
+    /// Lets particles collide, shifts them, their velocity with them, and filters what no fit can
+    /// resolve.
     pub(crate) fn regularise(&mut self, h: f64) {
+        self.collide(h);
         let spacing = self.setup.numerics.particle_spacing;
         let rate = FILTER_RATE * (self.setup.water.gravity / spacing).sqrt();
         let part = rate * h;

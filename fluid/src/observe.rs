@@ -172,9 +172,14 @@ impl Fluid {
 
     /// Whether the surface overturns somewhere: it is then no function of x.
     pub(crate) fn overturns(&self) -> bool {
+        self.overturning().next().is_some()
+    }
+
+    /// Particles where the surface is about to overturn, or has.
+    pub(crate) fn overturning(&self) -> impl Iterator<Item = usize> + '_ {
         const STEEPEST: f64 = 0.2;
-        let steep = |(n, &surface): (&Vector2<f64>, &bool)| surface && n.y < STEEPEST;
-        self.work.normal.iter().zip(&self.work.on_surface).any(steep)
+        let surface = self.work.normal.iter().zip(&self.work.on_surface).enumerate();
+        surface.filter(|(_, (n, on))| **on && n.y < STEEPEST).map(|(i, _)| i)
     }
 
     /// Integrals over the water by sampling: below the surface `line` or, if that is empty, wherever

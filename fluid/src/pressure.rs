@@ -25,6 +25,11 @@ use solver::{
 const UNIT_TOLERANCE: f64 = 10.0;
 /// Largest relative volume error that Eq. (9b) feeds back.
 const LARGEST_FEEDBACK: f64 = 0.01;
+/// Density of the particles, relative to a lattice's, that counts as even: more varies in smooth
+/// flow, too, and would be noise.
+const EVEN: std::ops::RangeInclusive<f64> = 0.7..=1.3;
+/// Part of what is beyond [`EVEN`] that a step takes away.
+const CROWDING_FEEDBACK: f64 = 0.03;
 
 impl Fluid {
     /// ∂p/∂n at wall particle `w` that the known accelerations of held and prescribed boundaries
@@ -136,8 +141,9 @@ impl Fluid {
 
     /// (ρ − ρ*)/ρ of Eq. (9b), with ρ* the mean density: the mass over the volume that the
     /// particles take up now. A particle's own density, from a kernel, is noise of some per cent
-    /// that the pressure would answer; shifting evens out what is local. Where the surface
-    /// overturns, its volume cannot be told by its elevation, and nothing is fed back.
+    /// that the pressure would answer; shifting evens out what is local, and only where particles
+    /// part or crowd beyond that, in broken water, is their own density fed back. Where the surface
+    /// overturns, its volume cannot be told by its elevation, and the mean is not fed back.
     fn density_deficit(&mut self) -> f64 {
         if self.overturns() {
             return 0.0;
@@ -165,14 +171,20 @@ impl Fluid {
                 for (offset, (rhs, solution)) in rhs.iter_mut().zip(solution).enumerate() {
                     let i = block * BLOCK + offset;
                     let local = &this.work.locals[i];
-                    if fields.on_surface[i] || local.diagonal <= 0.0 {
+                    if fields.on_surface[i] {
                         *rhs = [0.0];
                         *solution = [0.0];
                         continue;
                     }
+                    if local.diagonal <= 0.0 {
+                        *rhs = [this.surface_pressure(i)];
+                        *solution = *rhs;
+                        continue;
+                    }
                     // Eq. (9b): Ψ = α (ρ − ρ*)/dt + (1 − α) ρ ∇·u*.
                     let divergence = local.velocity_gradient.trace();
-                    let psi = water.density * (alpha * too_thin / h + (1.0 - alpha) * divergence);
+                    let thin = alpha * too_thin + CROWDING_FEEDBACK * too_thin_here(local.crowding);
+                    let psi = water.density * (thin / h + (1.0 - alpha) * divergence);
                     let walls = operators::neumann(fields, i, |w| this.known_slope(w));
                     rhs[0] = (fit::dot(&local.pressure.laplacian, &walls) - square * psi / h)
                         / local.diagonal
@@ -234,9 +246,14 @@ impl Fluid {
         let Some(h) = self.solved_for else { return Ok(None) };
         let mut start = vec![[0.0]; self.work.solution.len()];
         for (i, start) in start.iter_mut().enumerate() {
-            if !self.work.on_surface[i] && self.work.locals[i].diagonal > 0.0 {
-                start[0] = self.state.particles.pressure[i] - self.reaction_pressure(i);
+            if self.work.on_surface[i] {
+                continue;
             }
+            start[0] = if self.work.locals[i].diagonal > 0.0 {
+                self.state.particles.pressure[i] - self.reaction_pressure(i)
+            } else {
+                self.surface_pressure(i)
+            };
         }
         let found = std::mem::replace(&mut self.work.solution, start);
         let memory = self.state.pressure.clone();
@@ -256,6 +273,11 @@ pub(crate) fn solver(settings: PressureSettings, network: &Network) -> Box<dyn P
         SolverKind::Network => Box::new(NetworkSolver::new(network.clone(), settings, false)),
         SolverKind::Guarded => Box::new(NetworkSolver::new(network.clone(), settings, true)),
     }
+}
+
+/// How much less dense than [`EVEN`] the particles stand: below zero where they are crowded.
+fn too_thin_here(crowding: f64) -> f64 {
+    crowding.clamp(*EVEN.start(), *EVEN.end()) - crowding
 }
 
 /// Mean diagonal of the rows before they were scaled by it, from a sample of them.

@@ -21,6 +21,8 @@ const WIDEST_AT_WALL: f64 = 1.3;
 const AT_WALL: f64 = 0.5;
 /// What lies further off the surface's direction than this (cosine) is not along it.
 const ALONG: f64 = 0.5;
+/// Distance in depths from where the surface overturns within which it may be broken.
+const BROKEN: f64 = 5.0;
 
 /// A particle to be put in.
 struct Added {
@@ -51,8 +53,16 @@ impl Fluid {
             *taken = self.is_lost(i);
             self.state.lost += u64::from(*taken);
         }
+        // Where the surface is broken, every gap filled would be water made.
+        let mut overturns: Vec<f64> = self.overturning().map(|i| self.work.position[i].x).collect();
+        overturns.sort_unstable_by(f64::total_cmp);
+        let reach = BROKEN * self.setup.water.depth;
+        let is_broken = |x: f64| {
+            let next = overturns.partition_point(|other| *other < x - reach);
+            overturns.get(next).is_some_and(|other| *other < x + reach)
+        };
         for i in 0..self.state.particles.len() {
-            if self.work.on_surface[i] && !taken[i] {
+            if self.work.on_surface[i] && !taken[i] && !is_broken(self.work.position[i].x) {
                 self.look_along(i, 1.0, &mut taken, &mut added);
                 self.look_along(i, -1.0, &mut taken, &mut added);
             }

@@ -32,9 +32,12 @@ pub(crate) struct Local {
     /// Shift towards a regular arrangement, m, and what it does to the velocity, m/s.
     pub(crate) shift: Vector2<f64>,
     pub(crate) shift_velocity: Vector2<f64>,
-    /// Sum of the off-diagonal coefficients before the row was scaled by it.
+    /// Sum of the off-diagonal coefficients before the row was scaled by it; zero for a particle
+    /// without an equation.
     pub(crate) diagonal: f64,
     pub(crate) quality: Quality,
+    /// Density of the particles around it relative to a lattice's; 1 on the surface.
+    pub(crate) crowding: f64,
     /// Part of the filter's rate that applies here.
     pub(crate) filter: f64,
     /// From the particle to the smooth surface, m; zero below the surface.
@@ -42,6 +45,11 @@ pub(crate) struct Local {
     /// The walls that it stands before: the nearest, and another in a corner.
     pub(crate) contacts: [Option<regularise::Contact>; 2],
 }
+
+/// A particle whose row has a smaller diagonal has no equation of its own: its neighbours, a few in
+/// the air or in line, say nothing of its pressure, which is that of the air. In the bulk the
+/// diagonal is 5 and next to walls seldom below 1.
+const LEAST_DIAGONAL: f64 = 0.3;
 
 /// Scratch of a block of particles.
 #[derive(Clone, Debug, Default)]
@@ -149,7 +157,7 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
     };
     let Derivatives { pressure, velocity_gradient, velocity, diagonal, quality } = derivatives;
     let scale = 1.0 / fields.spacing;
-    let shift = regularise::shift(fields, i, rows);
+    let (shift, crowding) = regularise::shift(fields, i, rows);
     let basis = fit::basis(shift);
     Local {
         pressure,
@@ -161,8 +169,9 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
         roughness: velocity.roughness,
         shift: shift * fields.spacing,
         shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v)),
-        diagonal,
+        diagonal: if diagonal > LEAST_DIAGONAL { diagonal } else { 0.0 },
         quality,
+        crowding,
         filter: regularise::filter(fields, i, rows),
         contacts: regularise::contacts(fields, rows),
         surface_roughness: if fields.on_surface[i] {
