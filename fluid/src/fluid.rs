@@ -276,6 +276,8 @@ impl Fluid {
         let last = &self.state.particles.on_surface;
         free_surface::detect(around, &self.walls, last, &mut work.on_surface);
         free_surface::normals(around, &work.on_surface, &mut work.normal);
+        let depth = self.setup.water.depth;
+        work.broken.find(&work.position, &work.on_surface, &work.normal, depth);
     }
 
     pub(crate) fn wetted_walls(&mut self) {

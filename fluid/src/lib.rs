@@ -7,6 +7,7 @@
 //!
 //! Frame: x along the tank, y up from the bed, angles counter-clockwise; SI, per metre of width.
 
+mod broken_water;
 mod component;
 mod error;
 mod fields;

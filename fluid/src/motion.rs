@@ -95,12 +95,16 @@ impl Fluid {
         let spacing = self.setup.numerics.particle_spacing;
         let mut change = std::mem::take(&mut self.work.scratch_vectors);
         change.resize(self.state.particles.len(), Vector2::zeros());
-        let (particles, near) = (&self.state.particles, &self.work.fluid);
+        let (particles, near, broken) =
+            (&self.state.particles, &self.work.fluid, &self.work.broken);
         change.par_chunks_mut(BLOCK).enumerate().for_each(|(block, change)| {
             for (offset, change) in change.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
                 let (x, u) = (particles.position[i], particles.velocity[i]);
                 *change = Vector2::zeros();
+                if !broken.is_at(x.x) {
+                    continue;
+                }
                 for j in near.of(i).iter().map(|&j| j as usize) {
                     let d = (particles.position[j] - x) / spacing;
                     let distance = d.norm();
@@ -136,7 +140,9 @@ impl Fluid {
     /// Lets particles collide, shifts them, their velocity with them, and filters what no fit can
     /// resolve.
     pub(crate) fn regularise(&mut self, h: f64) {
-        self.collide(h);
+        if self.work.broken.is_anywhere() {
+            self.collide(h);
+        }
         let spacing = self.setup.numerics.particle_spacing;
         let rate = FILTER_RATE * (self.setup.water.gravity / spacing).sqrt();
         let part = rate * h;

@@ -132,7 +132,7 @@ impl Fluid {
     pub fn diagnostics(&self) -> Diagnostics {
         let (water, particles) = (&self.setup.water, &self.state.particles);
         let mut line = Vec::new();
-        if !self.overturns() {
+        if !self.work.broken.is_anywhere() {
             self.surface_line(&mut line);
         }
         let integrals = self.integrals(&line);
@@ -168,18 +168,6 @@ impl Fluid {
         let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);
         d.density_error_rms = operators::density_deviation(fields);
         d
-    }
-
-    /// Whether the surface overturns somewhere: it is then no function of x.
-    pub(crate) fn overturns(&self) -> bool {
-        self.overturning().next().is_some()
-    }
-
-    /// Particles where the surface is about to overturn, or has.
-    pub(crate) fn overturning(&self) -> impl Iterator<Item = usize> + '_ {
-        const STEEPEST: f64 = 0.2;
-        let surface = self.work.normal.iter().zip(&self.work.on_surface).enumerate();
-        surface.filter(|(_, (n, on))| **on && n.y < STEEPEST).map(|(i, _)| i)
     }
 
     /// Integrals over the water by sampling: below the surface `line` or, if that is empty, wherever

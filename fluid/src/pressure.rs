@@ -145,7 +145,7 @@ impl Fluid {
     /// part or crowd beyond that, in broken water, is their own density fed back. Where the surface
     /// overturns, its volume cannot be told by its elevation, and the mean is not fed back.
     fn density_deficit(&mut self) -> f64 {
-        if self.overturns() {
+        if self.work.broken.is_anywhere() {
             return 0.0;
         }
         let mut line = std::mem::take(&mut self.work.line);
@@ -183,7 +183,10 @@ impl Fluid {
                     }
                     // Eq. (9b): Ψ = α (ρ − ρ*)/dt + (1 − α) ρ ∇·u*.
                     let divergence = local.velocity_gradient.trace();
-                    let thin = alpha * too_thin + CROWDING_FEEDBACK * too_thin_here(local.crowding);
+                    let mut thin = alpha * too_thin;
+                    if this.work.broken.is_at(fields.position[i].x) {
+                        thin += CROWDING_FEEDBACK * too_thin_here(local.crowding);
+                    }
                     let psi = water.density * (thin / h + (1.0 - alpha) * divergence);
                     let walls = operators::neumann(fields, i, |w| this.known_slope(w));
                     rhs[0] = (fit::dot(&local.pressure.laplacian, &walls) - square * psi / h)

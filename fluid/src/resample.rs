@@ -21,8 +21,6 @@ const WIDEST_AT_WALL: f64 = 1.3;
 const AT_WALL: f64 = 0.5;
 /// What lies further off the surface's direction than this (cosine) is not along it.
 const ALONG: f64 = 0.5;
-/// Distance in depths from where the surface overturns within which it may be broken.
-const BROKEN: f64 = 5.0;
 
 /// A particle to be put in.
 struct Added {
@@ -45,6 +43,8 @@ impl Fluid {
             spacing: self.setup.numerics.particle_spacing,
         };
         free_surface::normals(around, &work.on_surface, &mut work.normal);
+        let depth = self.setup.water.depth;
+        work.broken.find(&work.position, &work.on_surface, &work.normal, depth);
         let mut taken = std::mem::take(&mut self.work.taken);
         taken.clear();
         taken.resize(self.state.particles.len(), false);
@@ -54,15 +54,11 @@ impl Fluid {
             self.state.lost += u64::from(*taken);
         }
         // Where the surface is broken, every gap filled would be water made.
-        let mut overturns: Vec<f64> = self.overturning().map(|i| self.work.position[i].x).collect();
-        overturns.sort_unstable_by(f64::total_cmp);
-        let reach = BROKEN * self.setup.water.depth;
-        let is_broken = |x: f64| {
-            let next = overturns.partition_point(|other| *other < x - reach);
-            overturns.get(next).is_some_and(|other| *other < x + reach)
-        };
         for i in 0..self.state.particles.len() {
-            if self.work.on_surface[i] && !taken[i] && !is_broken(self.work.position[i].x) {
+            if self.work.on_surface[i]
+                && !taken[i]
+                && !self.work.broken.is_at(self.work.position[i].x)
+            {
                 self.look_along(i, 1.0, &mut taken, &mut added);
                 self.look_along(i, -1.0, &mut taken, &mut added);
             }

@@ -1,5 +1,6 @@
 //! What a fluid remembers from step to step, and what it works on within one.
 
+use crate::broken_water::BrokenWater;
 use crate::krylov::Krylov;
 use crate::loads::PointPressure;
 use crate::neighbours::{CellGrid, Neighbours};
@@ -57,6 +58,7 @@ pub(crate) struct Work {
     pub(crate) position: Vec<Point2<f64>>,
     pub(crate) on_surface: Vec<bool>,
     pub(crate) normal: Vec<Vector2<f64>>,
+    pub(crate) broken: BrokenWater,
     pub(crate) grid: CellGrid,
     pub(crate) wall_grid: CellGrid,
     pub(crate) fluid: Neighbours,
