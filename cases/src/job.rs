@@ -222,7 +222,7 @@ fn draw_plots(case: &Case, directory: &Path, samples: &[Sample]) -> Result<(), O
             .collect();
         Figure::new(&case.name, panels).write(&directory.join("motion.svg"))
     } else if !scene.gauges.is_empty() {
-        let curve = |(index, gauge): (usize, &crate::scene::Gauge)| {
+        let curve = |(index, gauge): (usize, &crate::instruments::Gauge)| {
             let points = samples.iter().filter_map(|s| Some((s.time, s.elevations[index]?)));
             Curve::line(&gauge.name, points.collect())
         };

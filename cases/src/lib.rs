@@ -10,6 +10,7 @@ pub mod bench;
 pub mod case;
 mod findings;
 pub mod geometry;
+pub mod instruments;
 pub mod job;
 pub mod mooring_job;
 pub mod motion_file;

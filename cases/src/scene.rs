@@ -1,10 +1,11 @@
 //! A case in the terms of the components: what is simulated, measured and written.
 
 use crate::case::{BodyKeys, CaseKeys, EngineName, TableName};
+use crate::instruments::{Gauge, Probe};
 use crate::wavemaker;
 use crate::waves::StillWater;
 use crate::waves::plan::WavePlan;
-use nalgebra::{Point2, Rotation2, Vector2};
+use nalgebra::{Point2, Vector2};
 use seakeep_body::{BodyError, Contacts, Harmonic, MooringLine, PrescribedMotion, TimeSeries};
 use seakeep_coupler::Coupling;
 use seakeep_coupler::interface::BoundaryKinematics;
@@ -161,37 +162,6 @@ pub struct Line {
     pub body: usize,
     /// Where it is fastened, and what it answers.
     pub line: MooringLine,
-}
-
-/// A wave gauge.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Gauge {
-    /// Name in the table.
-    pub name: String,
-    /// Where it stands, m.
-    pub x: f64,
-}
-
-/// A pressure probe.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Probe {
-    /// Name in the table.
-    pub name: String,
-    /// The body that it is fastened to, by its index; without one it stands still.
-    pub body: Option<usize>,
-    /// Where it measures, m: in the tank, or from the centre of mass of its body at angle 0.
-    pub point: Point2<f64>,
-}
-
-impl Probe {
-    /// Where it is when the bodies are at `motion`, m.
-    #[must_use]
-    pub fn place(&self, motion: &[BoundaryKinematics]) -> Point2<f64> {
-        match self.body.and_then(|index| motion.get(index)) {
-            Some(body) => body.position + Rotation2::new(body.angle) * self.point.coords,
-            None => self.point,
-        }
-    }
 }
 
 /// What is written, and after how many steps.

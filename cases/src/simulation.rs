@@ -166,7 +166,7 @@ impl Simulation {
         let recent = std::mem::take(&mut self.recent);
         let found = self.fluid.diagnostics();
         let loads = if self.steps() == 0 { &[] } else { self.fluid.loads() };
-        let elevation = |gauge: &crate::scene::Gauge| self.fluid.surface_elevation(gauge.x);
+        let elevation = |gauge: &crate::instruments::Gauge| self.fluid.surface_elevation(gauge.x);
         let motion = self.kinematics().to_vec();
         let places: Vec<_> = scene.probes.iter().map(|probe| probe.place(&motion)).collect();
         Sample {

@@ -56,6 +56,21 @@ pub(crate) fn signed_distance(polygon: &[Point2<f64>], point: Point2<f64>) -> f6
     if inside { -distance } else { distance }
 }
 
+/// The point of the outline nearest to `point`, and the outward unit normal of the edge that it is
+/// on, for a polygon whose corners run counter-clockwise. `None` for one without an edge.
+pub(crate) fn nearest_on_outline(
+    polygon: &[Point2<f64>],
+    point: Point2<f64>,
+) -> Option<(Point2<f64>, Vector2<f64>)> {
+    let foot = |(a, b): (Point2<f64>, Point2<f64>)| {
+        let edge = b - a;
+        let along = ((point - a).dot(&edge) / edge.norm_squared()).clamp(0.0, 1.0);
+        (a + edge * along, Vector2::new(edge.y, -edge.x) / edge.norm())
+    };
+    let distance = |(foot, _): &(Point2<f64>, Vector2<f64>)| (point - foot).norm_squared();
+    edges(polygon).map(foot).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
 /// Area of the part of a polygon below the line through `left` and `right`, m².
 pub(crate) fn area_below(
     polygon: impl Iterator<Item = Point2<f64>> + Clone,
@@ -112,6 +127,9 @@ mod tests {
         assert!((signed_area(&square) - 1.0).abs() < 1e-15);
         assert!((signed_distance(&square, Point2::new(0.5, 0.9)) + 0.1).abs() < 1e-15);
         assert!((signed_distance(&square, Point2::new(2.0, 2.0)) - 2f64.sqrt()).abs() < 1e-15);
+        let (foot, normal) = nearest_on_outline(&square, Point2::new(0.9, 0.4)).unwrap();
+        assert!((foot - Point2::new(1.0, 0.4)).norm() < 1e-15, "{foot}");
+        assert_eq!(normal, Vector2::x());
         let below =
             area_below(square.iter().copied(), Point2::new(-1.0, 0.0), Point2::new(2.0, 1.5));
         assert!((below - 0.75).abs() < 1e-12, "{below}");

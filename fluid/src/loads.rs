@@ -10,6 +10,14 @@ use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 use seakeep_coupler::interface::{Load, LoadResponse};
 
+/// Largest sum of the sizes of the coefficients of a fit, those of slopes in spacings. Around a point
+/// that water encloses or that lies on its edge it is 1 to 3; a fit with a larger one carries what
+/// few particles say on to where they say nothing, as of a film of water to the wall before it.
+const LARGEST_SUM: f64 = 8.0;
+
+/// Fewest particles that are fitted to: as many as a quadratic has coefficients.
+const FEWEST: usize = 6;
+
 /// Pressure at a point as a linear functional of the pressures around it: a quadratic
 /// least-squares fit about the point itself, with the walls' Neumann data as rows.
 #[derive(Clone, Debug)]
@@ -58,32 +66,38 @@ impl PointPressure {
                 self.slopes.push((v as u32, weight));
             }
         }
-        let mut factor = matrix.factorize(1e-5);
-        if factor.is_none() {
-            let trace: f64 = (0..6).map(|i| matrix.0[i][i]).sum();
+        // A quadratic fit; where it cannot be, one whose curvature is kept small.
+        let trace: f64 = (0..6).map(|i| matrix.0[i][i]).sum();
+        let fits = if self.values.len() < FEWEST { &[][..] } else { &[0.0, 10.0] };
+        for penalty in fits.iter().map(|penalty| penalty * trace) {
+            let mut matrix = matrix;
             for i in 3..6 {
-                matrix.0[i][i] += 10.0 * trace;
+                matrix.0[i][i] += penalty;
             }
-            factor = matrix.factorize(1e-5);
-        }
-        let Some(factor) = factor else {
-            // Too few particles for a fit: their mean.
-            let total: f64 = self.values.iter().map(|(_, weight)| weight).sum();
-            self.values.iter_mut().for_each(|(_, weight)| *weight /= total);
-            self.slopes.clear();
+            let Some(factor) = matrix.factorize(1e-5) else { continue };
+            let value = factor.solve(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            let apply = |row: [f64; 6]| -> f64 { row.iter().zip(&value).map(|(a, b)| a * b).sum() };
+            let of_value = |j: u32| {
+                let d = (fields.position[j as usize] - centre) * scale;
+                apply(full(fit::basis(d), 1.0))
+            };
+            let of_slope = |v: u32| {
+                let d = (fields.walls.position[v as usize] - centre) * scale;
+                apply(full(fit::normal_derivative(d, fields.walls.normal[v as usize]), 0.0))
+            };
+            let values: f64 = self.values.iter().map(|&(j, c)| (c * of_value(j)).abs()).sum();
+            let slopes: f64 = self.slopes.iter().map(|&(v, c)| (c * of_slope(v)).abs()).sum();
+            if values.max(slopes) > LARGEST_SUM {
+                continue;
+            }
+            self.values.iter_mut().for_each(|(j, c)| *c *= of_value(*j));
+            self.slopes.iter_mut().for_each(|(v, c)| *c *= of_slope(*v) * fields.spacing);
             return;
-        };
-        let value = factor.solve(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        let apply = |row: [f64; 6]| -> f64 { row.iter().zip(&value).map(|(a, b)| a * b).sum() };
-        for (j, coefficient) in &mut self.values {
-            let d = (fields.position[*j as usize] - centre) * scale;
-            *coefficient *= apply(full(fit::basis(d), 1.0));
         }
-        for (v, coefficient) in &mut self.slopes {
-            let d = (fields.walls.position[*v as usize] - centre) * scale;
-            let row = full(fit::normal_derivative(d, fields.walls.normal[*v as usize]), 0.0);
-            *coefficient *= apply(row) * fields.spacing;
-        }
+        // Too few particles for a fit: their mean.
+        let total: f64 = self.values.iter().map(|(_, weight)| weight).sum();
+        self.values.iter_mut().for_each(|(_, weight)| *weight /= total);
+        self.slopes.clear();
     }
 
     /// Whether there was a particle to build on.

@@ -3,6 +3,7 @@
 use crate::error::FluidError;
 use crate::fit;
 use crate::fluid::Fluid;
+use crate::geometry::{nearest_on_outline, placed_corners, signed_distance};
 use crate::neighbours::BLOCK;
 use crate::operators;
 use crate::plan::Stage;
@@ -158,6 +159,34 @@ impl Fluid {
             *u = velocity;
             *x += back;
         }
+        self.keep_out(h);
+    }
+
+    /// Puts particles that have got into a boundary over a step of `h` (s) back on its outline, where
+    /// they go on with its velocity along the normal. Water in contact keeps off by
+    /// [`regularise::collide`]; but spray, which a fit over few neighbours may fling, can pass a wall
+    /// within a step, and would fall on inside the body and burst out of its keel.
+    pub(crate) fn keep_out(&mut self, h: f64) {
+        let mut polygon = std::mem::take(&mut self.work.polygon);
+        let particles = &mut self.state.particles;
+        for (boundary, kinematics) in self.setup.boundaries.iter().zip(&self.state.kinematics) {
+            let now = kinematics.drifted(h);
+            polygon.clear();
+            polygon.extend(placed_corners(&boundary.corners, now.position, now.angle));
+            let reach = boundary.corners.iter().map(|c| c.norm_squared()).fold(0.0, f64::max);
+            for (x, u) in particles.position.iter_mut().zip(&mut particles.velocity) {
+                if (*x - now.position).norm_squared() >= reach
+                    || signed_distance(&polygon, *x) >= 0.0
+                {
+                    continue;
+                }
+                let Some((foot, normal)) = nearest_on_outline(&polygon, *x) else { continue };
+                let inward = (now.velocity_at(foot) - *u).dot(&normal);
+                *x = foot;
+                *u += normal * inward.max(0.0);
+            }
+        }
+        self.work.polygon = polygon;
     }
 
     /// Whether particle `i` is lost: out of the tank, or faster than any water in it could be.

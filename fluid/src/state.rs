@@ -79,6 +79,8 @@ pub(crate) struct Work {
     pub(crate) keys: Vec<(u32, u64)>,
     pub(crate) line: Vec<Point2<f64>>,
     pub(crate) scratch_points: Vec<Point2<f64>>,
+    /// Outline of a boundary, m.
+    pub(crate) polygon: Vec<Point2<f64>>,
     pub(crate) scratch_vectors: Vec<Vector2<f64>>,
     pub(crate) scratch_numbers: Vec<f64>,
     /// Particles that resampling takes out.

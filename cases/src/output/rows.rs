@@ -1,7 +1,8 @@
 //! The rows of the tables: one struct a table, whose fields are the columns of the contract.
 
 use crate::case::TableName;
-use crate::scene::{Gauge, Scene};
+use crate::instruments::Gauge;
+use crate::scene::Scene;
 use crate::simulation::{Sample, displacement};
 use serde::Serialize;
 

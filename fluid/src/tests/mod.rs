@@ -1,5 +1,6 @@
 //! Tests of the inner parts that the crate does not show.
 
+mod bodies;
 mod fit;
 mod krylov;
 mod manufactured;
