@@ -4,6 +4,8 @@
 //! a column `body`, only its rows of the body asked for are read.
 
 use csv::{ReaderBuilder, StringRecord, Trim};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -68,9 +70,19 @@ pub struct Samples {
 /// # Errors
 /// [`MotionFileError`].
 pub fn read(path: &Path, body: &str) -> Result<Samples, MotionFileError> {
+    let opened = File::open(path)
+        .map_err(|error| MotionFileError::Read { path: path.to_owned(), source: error.into() })?;
+    parse(opened, path, body)
+}
+
+/// Reads the motion of `body` from the text of the file at `path`.
+///
+/// # Errors
+/// [`MotionFileError`].
+pub fn parse(text: impl Read, path: &Path, body: &str) -> Result<Samples, MotionFileError> {
     let failed = |source| MotionFileError::Read { path: path.to_owned(), source };
     let mut builder = ReaderBuilder::new();
-    let mut reader = builder.trim(Trim::All).comment(Some(b'#')).from_path(path).map_err(failed)?;
+    let mut reader = builder.trim(Trim::All).comment(Some(b'#')).from_reader(text);
     let header = reader.headers().map_err(failed)?.clone();
     let place = |name: &str| header.iter().position(|column| column == name);
     let mut columns = [0; COLUMNS.len()];

@@ -343,9 +343,13 @@ fn output_plan(keys: &CaseKeys, communication_step: f64) -> OutputPlan {
 
 fn boundary(keys: &BodyKeys) -> RigidBoundary {
     let corners = keys.corners_m.iter().flatten();
+    let mut corners: Vec<_> = corners.map(|[x, y]| Vector2::new(*x, *y)).collect();
+    if keys.holds_water {
+        corners.reverse();
+    }
     RigidBoundary {
         name: keys.name.clone(),
-        corners: corners.map(|[x, y]| Vector2::new(*x, *y)).collect(),
+        corners,
         position: Point2::from(keys.position_m),
         angle: keys.angle_deg.to_radians(),
         free: !keys.free.is_empty() && keys.engine != EngineName::Prescribed,

@@ -276,7 +276,11 @@ fn properties(scene: &Scene) -> Vec<BodyProperties> {
                 BodyProperties {
                     angle: boundary.angle,
                     equilibrium: body.equilibrium,
-                    outline: boundary.corners.clone(),
+                    // A container is no obstacle to what is in it.
+                    outline: match boundary.holds_water() {
+                        true => Vec::new(),
+                        false => boundary.corners.clone(),
+                    },
                     free: FreeDegrees { sway, heave, roll },
                     ..BodyProperties::new(&body.name, body.mass, body.inertia, boundary.position)
                 }

@@ -128,9 +128,7 @@ impl Fluid {
             setup,
         };
         fluid.settle(flow, cut);
-        let mut line = Vec::new();
-        fluid.surface_line(&mut line);
-        fluid.initial_volume = fluid.volume_below(&line);
+        fluid.initial_volume = fluid.volume();
         Ok(fluid)
     }
 

@@ -39,7 +39,8 @@ pub(crate) fn edges(
     polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(a, b)| (*a, *b))
 }
 
-/// Distance to a polygon, negative inside, m.
+/// Distance to a polygon, negative where it is solid, m: inside, or outside one whose corners run
+/// clockwise.
 pub(crate) fn signed_distance(polygon: &[Point2<f64>], point: Point2<f64>) -> f64 {
     let mut distance = f64::INFINITY;
     let mut inside = false;
@@ -53,7 +54,8 @@ pub(crate) fn signed_distance(polygon: &[Point2<f64>], point: Point2<f64>) -> f6
             inside = !inside;
         }
     }
-    if inside { -distance } else { distance }
+    let solid = inside != (signed_area(polygon) < 0.0);
+    if solid { -distance } else { distance }
 }
 
 /// The point of the outline nearest to `point`, and the outward unit normal of the edge that it is

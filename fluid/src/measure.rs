@@ -19,7 +19,7 @@ const ON_OUTLINE: f64 = 1e-6;
 
 impl Fluid {
     /// Elevation of the free surface above still water at `x`, m: a quadratic fit to the surface
-    /// particles around. `None` inside a boundary and where there is no water.
+    /// particles around; the bed where it is dry. `None` inside a boundary.
     ///
     /// Where the wave overturns this is the highest surface that hangs together; single particles
     /// in the air do not count.
@@ -39,7 +39,10 @@ impl Fluid {
             })
             .map(|(_, point)| ((point.x - x) / dx, point.y))
             .collect();
-        let nearest = around.iter().map(|(d, _)| d.abs()).reduce(f64::min)?;
+        let Some(nearest) = around.iter().map(|(d, _)| d.abs()).reduce(f64::min) else {
+            let dry = particles.position.iter().all(|point| (point.x - x).abs() > fit::RADIUS * dx);
+            return (dry && !covered(Point2::new(x, 0.0))).then_some(-self.setup.water.depth);
+        };
         let above = around.iter().filter(|(d, _)| d.abs() <= nearest.max(1.0));
         let top = above.map(|(_, y)| *y).reduce(f64::max)?;
         let mut matrix = Symmetric::<3>::zero();

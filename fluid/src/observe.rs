@@ -5,6 +5,7 @@ use crate::fluid::Fluid;
 use crate::geometry::{area_below, placed, placed_corners, signed_distance};
 use crate::neighbours::CellGrid;
 use crate::operators;
+use crate::setup::RigidBoundary;
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -132,7 +133,7 @@ impl Fluid {
     pub fn diagnostics(&self) -> Diagnostics {
         let (water, particles) = (&self.setup.water, &self.state.particles);
         let mut line = Vec::new();
-        if !self.work.broken.is_anywhere() {
+        if self.surface_is_a_line() {
             self.surface_line(&mut line);
         }
         let integrals = self.integrals(&line);
@@ -168,6 +169,23 @@ impl Fluid {
         let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);
         d.density_error_rms = operators::density_deviation(fields);
         d
+    }
+
+    /// Whether the surface is a function of x along the whole tank: not where it overturns, nor in a
+    /// container.
+    pub(crate) fn surface_is_a_line(&self) -> bool {
+        let container = self.setup.boundaries.iter().any(RigidBoundary::holds_water);
+        !container && !self.work.broken.is_anywhere()
+    }
+
+    /// Volume of the water, m².
+    pub(crate) fn volume(&self) -> f64 {
+        let mut line = Vec::new();
+        if !self.surface_is_a_line() {
+            return self.integrals(&line).volume;
+        }
+        self.surface_line(&mut line);
+        self.volume_below(&line)
     }
 
     /// Integrals over the water by sampling: below the surface `line` or, if that is empty, wherever

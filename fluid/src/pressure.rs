@@ -143,9 +143,9 @@ impl Fluid {
     /// particles take up now. A particle's own density, from a kernel, is noise of some per cent
     /// that the pressure would answer; shifting evens out what is local, and only where particles
     /// part or crowd beyond that, in broken water, is their own density fed back. Where the surface
-    /// overturns, its volume cannot be told by its elevation, and the mean is not fed back.
+    /// is no line, the volume cannot be told by its elevation, and the mean is not fed back.
     fn density_deficit(&mut self) -> f64 {
-        if self.work.broken.is_anywhere() {
+        if !self.surface_is_a_line() {
             return 0.0;
         }
         let mut line = std::mem::take(&mut self.work.line);

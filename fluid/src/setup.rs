@@ -86,7 +86,8 @@ impl InitialFlow for StillWater {
 pub struct RigidBoundary {
     /// Name, used in variable names.
     pub name: String,
-    /// Corners, counter-clockwise, relative to the reference point at angle 0, m.
+    /// Corners relative to the reference point at angle 0, m: counter-clockwise around a body,
+    /// clockwise around a container that holds the water.
     pub corners: Vec<Vector2<f64>>,
     /// Reference point (centre of mass) at the start, m.
     pub position: Point2<f64>,
@@ -95,6 +96,15 @@ pub struct RigidBoundary {
     /// Whether its acceleration is unknown before the step is solved. A held or prescribed
     /// boundary needs no added mass.
     pub free: bool,
+}
+
+impl RigidBoundary {
+    /// Whether it is a container.
+    #[must_use]
+    pub fn holds_water(&self) -> bool {
+        let corners: Vec<_> = self.corners.iter().map(|c| Point2::from(*c)).collect();
+        signed_area(&corners) < 0.0
+    }
 }
 
 /// A zone with u ← u / (1 + γ(x) dt), γ rising from 0 at `inner_x` to its maximum at `outer_x`
@@ -210,8 +220,8 @@ impl FluidSetup {
                 "has a corner that is not finite"
             } else if crosses_itself(&polygon) {
                 "crosses itself"
-            } else if signed_area(&polygon) <= 0.0 {
-                "must enclose an area, its corners counter-clockwise"
+            } else if signed_area(&polygon) == 0.0 {
+                "must enclose an area"
             } else {
                 continue;
             };

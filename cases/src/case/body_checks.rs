@@ -86,6 +86,9 @@ fn check_body(check: &mut Checker<'_>, prefix: &str, body: &BodyKeys) {
 fn check_motion(check: &mut Checker<'_>, prefix: &str, body: &BodyKeys) {
     let key = |name: &str| format!("{prefix}.{name}");
     let prescribed = body.engine == EngineName::Prescribed;
+    check.require(prescribed || !body.holds_water, prefix, || {
+        "a container, holds_water = true, moves by engine = \"prescribed\" only".to_owned()
+    });
     check.require(prescribed == body.motion.is_some(), prefix, || match prescribed {
         true => "engine = \"prescribed\" needs a motion".to_owned(),
         false => "only a body with engine = \"prescribed\" follows a motion".to_owned(),

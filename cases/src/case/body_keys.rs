@@ -36,6 +36,9 @@ pub struct BodyKeys {
     /// the density is given, and the frame's origin otherwise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_of_mass_m: Option<[f64; 2]>,
+    /// Whether it is a container with the water in it, which a prescribed motion moves.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub holds_water: bool,
     /// Directions in which it moves; none for a held body.
     #[serde(default = "all_directions")]
     pub free: Vec<Direction>,
@@ -153,6 +156,10 @@ pub(super) fn default_body_name() -> String {
 
 fn all_directions() -> Vec<Direction> {
     vec![Direction::Sway, Direction::Heave, Direction::Roll]
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 fn is_zero(value: &f64) -> bool {

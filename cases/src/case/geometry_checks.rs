@@ -62,14 +62,16 @@ pub(super) fn check_geometry(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
         if let Some(body) = keys.body.iter().find(|body| Some(&body.name) == probe.body.as_ref()) {
             let (outline, place) = (corners(body), point - centre_of_mass(body));
             let size = outline.iter().map(|corner| corner.coords.norm()).fold(0.0, f64::max);
-            let inside = contains(&outline, place)
+            let inside = contains(&outline, place) != body.holds_water
                 && distance_to_outline(&outline, place) > ON_OUTLINE * size;
             check.require(!inside, &format!("probe[{index}].x_m"), || {
                 format!("({}, {}) m lies inside {}", probe.x_m, probe.y_m, body.name)
             });
             continue;
         }
-        let body = placed.iter().find(|(_, outline)| contains(outline, point));
+        let body = placed
+            .iter()
+            .find(|(index, outline)| contains(outline, point) != keys.body[*index].holds_water);
         check.require(body.is_none(), &format!("probe[{index}].x_m"), || {
             let name = body.map_or("", |(index, _)| &keys.body[*index].name);
             format!("({}, {}) m lies inside {name}", probe.x_m, probe.y_m)

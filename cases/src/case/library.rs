@@ -1,5 +1,7 @@
 //! The cases that come with the program.
 
+use std::path::Path;
+
 /// A case file inside the program.
 #[derive(Clone, Copy, Debug)]
 pub struct LibraryCase {
@@ -24,16 +26,23 @@ macro_rules! files {
     };
 }
 
-/// The text of a reference file that comes with the program, by its path beside the case files.
+/// The text of a file that comes with the program, by its path beside the case files, unless there
+/// is such a file in `folder`.
 #[must_use]
-pub(super) fn reference_file(path: &str) -> Option<&'static str> {
+pub(super) fn shipped(folder: &Path, path: &Path) -> Option<&'static str> {
+    if folder.join(path).is_file() {
+        return None;
+    }
     let files: &[(&str, &str)] = files![
+        "reference/lobovsky2014/elevation.csv",
+        "reference/lobovsky2014/pressure.csv",
+        "reference/spheric10/motion.csv",
         "reference/ren2015/elevation.csv",
         "reference/ren2015/heave.csv",
         "reference/ren2015/roll.csv",
         "reference/ren2015/sway.csv",
     ];
-    files.iter().find(|(name, _)| *name == path).map(|(_, text)| *text)
+    files.iter().find(|(name, _)| Path::new(name) == path).map(|(_, text)| *text)
 }
 
 /// Every case that comes with the program, in the order of `seakeep list`.
@@ -53,7 +62,9 @@ pub fn library() -> &'static [LibraryCase] {
         "moored_breakwater",
         "green_water",
         "ship_section",
-        "two_boxes"
+        "two_boxes",
+        "dam_break",
+        "sloshing"
     ]
 }
 

@@ -1,6 +1,7 @@
 //! The motions that a case prescribes: formulas, and files beside the case.
 
 use super::checks::Checker;
+use super::library::shipped;
 use super::source::Source;
 use super::{BodyKeys, CaseKeys, MotionKeys, Problem, RotationKeys, TranslationKeys};
 use crate::motion_file;
@@ -10,7 +11,8 @@ use seakeep_body::{BodyError, Harmonic, Oscillation, TimeSeries};
 use std::path::Path;
 
 /// The motion of each body, where it is prescribed. Puts these bodies where their motions start,
-/// and makes the paths of files absolute; they are relative to `folder`.
+/// and makes the paths of files absolute; they are relative to
+/// `folder`, and one that is not there may be one of those that come with the program.
 ///
 /// # Errors
 /// All motions that cannot be read or followed.
@@ -55,7 +57,12 @@ fn read(
     let motion = match &keys.file {
         Some(file) => {
             let path = folder.join(file);
-            let series = motion_file::read(&path, &body.name).map_err(|e| e.to_string())?;
+            let known = shipped(folder, file);
+            let series = match known {
+                Some(text) => motion_file::parse(text.as_bytes(), &path, &body.name),
+                None => motion_file::read(&path, &body.name),
+            };
+            let series = series.map_err(|error| error.to_string())?;
             let series = TimeSeries::new(rest, series.times, &series.samples)
                 .map_err(|error| format!("{}: {error}", path.display()))?;
             let [start, end] = series.span();
@@ -65,7 +72,9 @@ fn read(
                     path.display()
                 ));
             }
-            keys.file = Some(std::path::absolute(&path).map_err(|error| error.to_string())?);
+            if known.is_none() {
+                keys.file = Some(std::path::absolute(&path).map_err(|error| error.to_string())?);
+            }
             Motion::Series(series)
         }
         None => {

@@ -1,7 +1,7 @@
 //! Reading and checking references.
 
 use super::checks::{Allowed, Checker, FINITE, NOT_NEGATIVE, POSITIVE};
-use super::library::reference_file;
+use super::library::shipped;
 use super::reference_keys::{MeasureName, ReferenceKeys};
 use super::source::Source;
 use super::{CaseKeys, Problem, TableName};
@@ -38,8 +38,7 @@ fn read_series(reference: &mut ReferenceKeys, folder: &Path) -> Result<(), Strin
     let Some(columns) = reference.file_columns.take() else {
         return Err(failed("file_columns is missing: the columns of time and value".to_owned()));
     };
-    let known = file.to_str().and_then(reference_file).filter(|_| !path.is_file());
-    let text = match known {
+    let text = match shipped(folder, &file) {
         Some(text) => text.to_owned(),
         None => {
             let mut text = String::new();

@@ -105,7 +105,7 @@ impl Row for MooringRow<'_> {
     }
 }
 
-/// A row of `gauges.csv`; the elevation is empty where there is no water.
+/// A row of `gauges.csv`; the elevation is empty under a body.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "the names are the contract's and carry the units")]
 pub struct GaugesRow<'a> {
