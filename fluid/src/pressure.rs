@@ -27,7 +27,7 @@ const UNIT_TOLERANCE: f64 = 10.0;
 const LARGEST_FEEDBACK: f64 = 0.01;
 /// Density of the particles, relative to a lattice's, that counts as even: more varies in smooth
 /// flow, too, and would be noise.
-const EVEN: std::ops::RangeInclusive<f64> = 0.7..=1.3;
+const EVEN: std::ops::RangeInclusive<f64> = 0.85..=1.15;
 /// Part of what is beyond [`EVEN`] that a step takes away.
 const CROWDING_FEEDBACK: f64 = 0.03;
 
