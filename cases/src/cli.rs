@@ -42,6 +42,12 @@ pub(crate) enum Command {
     Mooring(MooringArguments),
     /// List the cases that come with the program
     List,
+    /// Run the cases of a campaign and keep frames for the training of networks
+    Dataset(DatasetArguments),
+    /// Measure a network beside other ways to find the pressure
+    Evaluate(EvaluateArguments),
+    /// Train a network on data sets; needs a build with the feature torch
+    Train(TrainArguments),
     /// Compare the pressure solvers at the sizes of Table 1 of Ma, Zhang, Yan & Li (2024)
     BenchPressure(BenchPressureArguments),
 }
@@ -184,6 +190,73 @@ pub(crate) struct BenchPressureArguments {
     /// A file for the table as CSV
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
+}
+
+/// Which data.
+#[derive(Debug, Args)]
+pub(crate) struct DatasetArguments {
+    /// A campaign file
+    pub(crate) campaign: PathBuf,
+    /// Folder for the cases; those that are there already are left alone
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Run this case of the campaign alone; may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub(crate) case: Vec<String>,
+    /// Override a key of every case, such as pressure.solver="network"; may be repeated. The
+    /// pressure of the frames is exact whatever finds that of the run
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Threads to use; without it as many as there are processors. Frames do not depend on it
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+/// Which training.
+#[derive(Debug, Args)]
+pub(crate) struct TrainArguments {
+    /// A training file
+    pub(crate) config: PathBuf,
+    /// Folder for weights, checkpoint and learning curve; a training that is there goes on
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Where to train: cpu or cuda
+    #[arg(long, value_name = "NAME", default_value = "cpu")]
+    pub(crate) device: String,
+    /// Threads to use. Weights are the same for the same number
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(crate) threads: NonZeroUsize,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+/// What to measure a network on.
+#[derive(Debug, Args)]
+pub(crate) struct EvaluateArguments {
+    /// A weights file
+    pub(crate) model: PathBuf,
+    /// A campaign, on single steps of whose test cases it is measured
+    #[arg(long, value_name = "FILE")]
+    pub(crate) campaign: Option<PathBuf>,
+    /// Steps of each test case that are looked at
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub(crate) steps: usize,
+    /// A case that is run whole with each solver; may be repeated
+    #[arg(long, value_name = "CASE")]
+    pub(crate) rollout: Vec<String>,
+    /// Override a key of these cases; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Folder for tables and plots
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Threads to use; without it as many as there are processors
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
 }
 
 /// The command that is run where none is given.

@@ -8,6 +8,8 @@
 pub mod analysis;
 pub mod bench;
 pub mod case;
+pub mod dataset;
+pub mod evaluate;
 mod findings;
 pub mod geometry;
 pub mod instruments;
@@ -22,6 +24,8 @@ pub mod scene;
 pub mod simulation;
 pub mod tally;
 pub mod theory;
+#[cfg(feature = "torch")]
+pub mod training;
 pub mod validation;
 mod wave_findings;
 mod wavemaker;

@@ -4,6 +4,7 @@
 //! not begin (bad input), and nothing was written.
 
 mod cli;
+mod learning;
 mod progress;
 mod report;
 
@@ -43,6 +44,9 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench(&arguments),
         Command::Mooring(arguments) => mooring(&arguments),
         Command::List => list(),
+        Command::Train(arguments) => learning::train(&arguments),
+        Command::Evaluate(arguments) => learning::evaluate(&arguments),
+        Command::Dataset(arguments) => learning::dataset(&arguments),
         Command::BenchPressure(arguments) => bench_pressure(&arguments),
     };
     match result {
@@ -262,7 +266,7 @@ fn list() -> Result<(), Stop> {
 fn bench_pressure(arguments: &BenchPressureArguments) -> Result<(), Stop> {
     let mut rows = Vec::new();
     say(
-        "row particles D/dx solver           tolerance iterations median_ms least_ms divergence_1/s\n",
+        "row particles D/dx solver           tolerance iterations processor_ms median_ms least_ms divergence_1/s\n",
     );
     for &row in &arguments.rows {
         let found = pressure_bench::bench(row, arguments.steps, threads(arguments.threads))
@@ -272,13 +276,14 @@ fn bench_pressure(arguments: &BenchPressureArguments) -> Result<(), Stop> {
             })?;
         for r in &found {
             say(&format!(
-                "{:<3} {:>9} {:>4.0} {:<18} {:>7.0e} {:>10.1} {:>9.2} {:>8.2} {:>12.1e}\n",
+                "{:<3} {:>9} {:>4.0} {:<18} {:>7.0e} {:>10.1} {:>12.2} {:>9.2} {:>8.2} {:>14.1e}\n",
                 r.row,
                 r.particles,
                 r.depth_over_spacing,
                 r.solver,
                 r.tolerance,
                 r.iterations,
+                r.processor_ms.unwrap_or(f64::NAN),
                 r.median_ms,
                 r.least_ms,
                 r.divergence_left_per_s,

@@ -11,6 +11,7 @@ use seakeep_fluid::setup::{PreconditionerKind, PressureSettings, SolverKind, Sta
 use seakeep_fluid::{Fluid, FluidError};
 use serde::Serialize;
 use std::path::Path;
+use std::time::Duration;
 use thiserror::Error;
 
 /// Depth (m) and length (m) of the tanks of Table 1, all with a spacing of 0.01 m.
@@ -61,6 +62,9 @@ pub struct BenchRow {
     pub tolerance: f64,
     /// Iterations a step, mean.
     pub iterations: f64,
+    /// Processor time of a solve over all threads, mean, ms, where the operating system tells: it does
+    /// not depend on what else the machine does as much as wall time.
+    pub processor_ms: Option<f64>,
     /// Wall time of a solve, median, ms.
     pub median_ms: f64,
     /// Wall time of the quickest solve, ms.
@@ -106,24 +110,30 @@ pub fn bench(row: usize, steps: u64, threads: usize) -> Result<Vec<BenchRow>, Be
 }
 
 fn compare(row: usize, case: &Case, steps: u64) -> Result<Vec<BenchRow>, BenchError> {
-    let mut fluid = Fluid::new(case.scene.fluid.clone())?;
+    let mut fluid = Fluid::flowing(case.scene.fluid.clone(), &case.scene.initial_water)?;
     fluid.enter_initialization_mode(0.0)?;
     fluid.exit_initialization_mode()?;
     let h = case.scene.time_step();
     let solvers = solvers();
+    let mut rivals: Vec<_> = solvers.iter().map(|(_, settings)| fluid.rival(*settings)).collect();
     let mut reports = vec![Vec::new(); solvers.len()];
+    let mut processor = vec![Some(Duration::ZERO); solvers.len()];
     for step in 0..LEAD + steps {
         let time = step as f64 * h;
         fluid.solve_load(time, h)?;
         if step >= LEAD {
-            for ((_, settings), reports) in solvers.iter().zip(&mut reports) {
-                reports.extend(fluid.try_pressure(*settings)?);
+            for (index, rival) in rivals.iter_mut().enumerate() {
+                let before = processor_time();
+                reports[index].extend(fluid.try_pressure(rival)?);
+                let used = processor_time().zip(before).map(|(now, before)| now - before);
+                processor[index] = processor[index].zip(used).map(|(sum, used)| sum + used);
             }
         }
         fluid.do_step(time, h)?;
     }
     let numerics = &case.scene.fluid.numerics;
-    let rows = solvers.iter().zip(&mut reports).map(|((solver, settings), reports)| {
+    let rows = solvers.iter().zip(processor).zip(&mut reports).map(|((solver, time), reports)| {
+        let (solver, settings) = solver;
         let count = reports.len().max(1) as f64;
         reports.sort_by_key(|report| report.time);
         let ms = |index: usize| reports.get(index).map_or(0.0, |r| r.time.as_secs_f64() * 1e3);
@@ -134,12 +144,23 @@ fn compare(row: usize, case: &Case, steps: u64) -> Result<Vec<BenchRow>, BenchEr
             solver,
             tolerance: settings.tolerance,
             iterations: reports.iter().map(|r| r.iterations as f64).sum::<f64>() / count,
+            processor_ms: time.map(|time| time.as_secs_f64() * 1e3 / count),
             median_ms: ms(reports.len() / 2),
             least_ms: ms(0),
             divergence_left_per_s: reports.iter().map(|r| r.divergence_left).sum::<f64>() / count,
         }
     });
     Ok(rows.collect())
+}
+
+/// Time that the threads of this program have spent on a processor, on Linux.
+fn processor_time() -> Option<Duration> {
+    let mut sum = 0;
+    for task in std::fs::read_dir("/proc/self/task").ok()? {
+        let text = std::fs::read_to_string(task.ok()?.path().join("schedstat")).ok()?;
+        sum += text.split_whitespace().next()?.parse::<u64>().ok()?;
+    }
+    Some(Duration::from_nanos(sum))
 }
 
 /// Writes `rows` as CSV to `path`.

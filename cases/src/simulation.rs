@@ -12,6 +12,8 @@ use seakeep_body::{
 };
 use seakeep_coupler::interface::{BoundaryKinematics, Load, LoadComponent, MotionComponent};
 use seakeep_coupler::{CouplerError, FixedStepMaster};
+use seakeep_fluid::frame::Frame;
+use seakeep_fluid::trial::{Outcome, Trial};
 use seakeep_fluid::{Fluid, FluidError, ParticleCounts, Plan};
 use std::time::Duration;
 use thiserror::Error;
@@ -136,6 +138,26 @@ impl Simulation {
         Ok(())
     }
 
+    /// Asks for the frame of the next step.
+    pub fn record_frame(&mut self) {
+        self.fluid.record_frame();
+    }
+
+    /// The frame that was asked for.
+    pub fn take_frame(&mut self) -> Option<Frame> {
+        self.fluid.take_frame()
+    }
+
+    /// Asks for trials of other pressure solvers in the next step.
+    pub fn try_at_next_step(&mut self, trials: Vec<Trial>) {
+        self.fluid.try_at_next_step(trials);
+    }
+
+    /// What came of the trials.
+    pub fn take_outcomes(&mut self) -> Vec<Outcome> {
+        self.fluid.take_outcomes()
+    }
+
     /// Time, s.
     #[must_use]
     pub fn time(&self) -> f64 {
@@ -195,6 +217,12 @@ impl Simulation {
             max_speed: found.max_speed,
             max_hydrostatic_pressure_error: found.max_hydrostatic_pressure_error,
         }
+    }
+
+    /// Elevation above still water at `x` (m), m.
+    #[must_use]
+    pub fn surface_elevation(&self, x: f64) -> Option<f64> {
+        self.fluid.surface_elevation(x)
     }
 
     /// The particles as they are.

@@ -8,6 +8,7 @@ use crate::error::FluidError;
 use crate::fields::Fields;
 use crate::fill;
 use crate::fit;
+use crate::frame::Frame;
 use crate::free_surface::{self, Surroundings};
 use crate::krylov::Report;
 use crate::neighbours::{BLOCK, CellGrid};
@@ -18,6 +19,7 @@ use crate::pressure;
 use crate::pressure::solver::{PressureMemory, PressureReport, PressureSolver};
 use crate::setup::{FluidSetup, InitialFlow, Integrator, StillWater};
 use crate::state::{Phase, State, Work};
+use crate::trial::{Outcome, Trial};
 use crate::variables::describe;
 use crate::walls::Walls;
 use nalgebra::Point2;
@@ -51,6 +53,12 @@ pub struct Fluid {
     pub(crate) report: PressureReport,
     pub(crate) fallbacks: u64,
     pub(crate) unit_report: Report,
+    /// Whether the next step's frame is wanted, and the last that was.
+    pub(crate) recording: bool,
+    pub(crate) frame: Option<Frame>,
+    /// What is to be tried in the next step, and what came of it.
+    pub(crate) trials: Vec<Trial>,
+    pub(crate) outcomes: Vec<Outcome>,
     pub(crate) initial_volume: f64,
     stage_time: [Duration; Stage::ALL.len()],
     /// Indices of the free boundaries.
@@ -122,6 +130,10 @@ impl Fluid {
             report: PressureReport::default(),
             fallbacks: 0,
             unit_report: Report::default(),
+            recording: false,
+            frame: None,
+            trials: Vec::new(),
+            outcomes: Vec::new(),
             initial_volume: 0.0,
             stage_time: [Duration::ZERO; Stage::ALL.len()],
             free,
@@ -220,6 +232,8 @@ impl Fluid {
         self.timed(Stage::Operators, Self::operators);
         self.timed(Stage::AddedMass, Self::added_mass_pressure).transpose()?;
         self.timed(Stage::Pressure, |fluid| fluid.pressure(h)).transpose()?;
+        self.keep_frame(h)?;
+        self.try_solvers(h)?;
         self.timed(Stage::Loads, Self::loads_at_zero_acceleration);
         self.solved_for = Some(h);
         Ok(())

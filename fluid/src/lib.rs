@@ -14,6 +14,7 @@ mod fields;
 mod fill;
 mod fit;
 mod fluid;
+pub mod frame;
 mod free_surface;
 mod geometry;
 mod krylov;
@@ -35,6 +36,7 @@ mod sparse;
 mod state;
 #[cfg(test)]
 mod tests;
+pub mod trial;
 mod variables;
 mod walls;
 
@@ -42,5 +44,6 @@ pub use error::FluidError;
 pub use fluid::Fluid;
 pub use observe::{Diagnostics, ParticleCounts, ParticlesView};
 pub use plan::{Plan, PlanEntry, Stage};
+pub use pressure::Rival;
 pub use pressure::solver::PressureReport;
 pub use setup::FluidSetup;

@@ -17,8 +17,8 @@ use network::NetworkSolver;
 use poisson::{Poisson, require_convergence};
 use rayon::prelude::*;
 use solver::{
-    PreconditionerKind, PressureReport, PressureSettings, PressureSolver, Problem, SolverKind,
-    Start,
+    PreconditionerKind, PressureMemory, PressureReport, PressureSettings, PressureSolver, Problem,
+    SolverKind, Start,
 };
 
 /// Tolerance of the pressure of unit accelerations, in pressure tolerances.
@@ -161,16 +161,20 @@ impl Fluid {
         let alpha = numerics.density_blend;
         let square = numerics.particle_spacing.powi(2);
         let too_thin = if alpha > 0.0 { self.density_deficit() } else { 0.0 };
+        let mut source = std::mem::take(&mut self.work.source);
         let mut rhs = std::mem::take(&mut self.work.rhs);
         let mut solution = std::mem::take(&mut self.work.solution);
         let particles = &self.state.particles;
         let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);
         let this = &*self;
-        rhs.par_chunks_mut(BLOCK).zip(solution.par_chunks_mut(BLOCK)).enumerate().for_each(
-            |(block, (rhs, solution))| {
-                for (offset, (rhs, solution)) in rhs.iter_mut().zip(solution).enumerate() {
+        let blocks = solution.par_chunks_mut(BLOCK).zip(source.par_chunks_mut(BLOCK));
+        rhs.par_chunks_mut(BLOCK).zip(blocks).enumerate().for_each(
+            |(block, (rhs, (solution, source)))| {
+                let values = solution.iter_mut().zip(source);
+                for (offset, (rhs, (solution, source))) in rhs.iter_mut().zip(values).enumerate() {
                     let i = block * BLOCK + offset;
                     let local = &this.work.locals[i];
+                    *source = 0.0;
                     if fields.on_surface[i] {
                         *rhs = [0.0];
                         *solution = [0.0];
@@ -187,9 +191,9 @@ impl Fluid {
                     if this.work.broken.is_at(fields.position[i].x) {
                         thin += CROWDING_FEEDBACK * too_thin_here(local.crowding);
                     }
-                    let psi = water.density * (thin / h + (1.0 - alpha) * divergence);
+                    *source = water.density * (thin / h + (1.0 - alpha) * divergence);
                     let walls = operators::neumann(fields, i, |w| this.known_slope(w));
-                    rhs[0] = (fit::dot(&local.pressure.laplacian, &walls) - square * psi / h)
+                    rhs[0] = (fit::dot(&local.pressure.laplacian, &walls) - square * *source / h)
                         / local.diagonal
                         + operators::dirichlet(fields, i, local, |j| this.surface_pressure(j));
                     // The last pressure, less the part of the accelerations.
@@ -197,6 +201,7 @@ impl Fluid {
                 }
             },
         );
+        self.work.source = source;
         self.work.rhs = rhs;
         self.work.solution = solution;
         self.report = self.solve_assembled(h, None)?;
@@ -212,6 +217,7 @@ impl Fluid {
         solver: Option<(&mut dyn PressureSolver, Stop)>,
     ) -> Result<PressureReport, FluidError> {
         let divergence_per_residual = self.divergence_per_residual(h);
+        let scales = self.scales(h);
         let own_stop = self.stop(&self.setup.pressure, divergence_per_residual);
         let (solver, stop) = solver.unwrap_or((&mut *self.solver, own_stop));
         let mut solution = std::mem::take(&mut self.work.solution);
@@ -221,6 +227,8 @@ impl Fluid {
             rhs: &self.work.rhs,
             pressure: &mut solution,
             change: &self.state.particles.pressure_change,
+            source: &self.work.source,
+            scales,
             fields,
             step: self.state.step,
             stop,
@@ -231,48 +239,74 @@ impl Fluid {
         report
     }
 
+    /// The pressure of the step before, less the part of the accelerations; zero on the surface, and
+    /// that of the surface for particles without an equation, Pa.
+    pub(crate) fn last_pressure(&self) -> Vec<[f64; 1]> {
+        let equations = self.work.on_surface.iter().zip(&self.work.locals);
+        let start = equations.enumerate().map(|(i, (&surface, local))| match surface {
+            true => [0.0],
+            false if local.diagonal <= 0.0 => [self.surface_pressure(i)],
+            false => [self.state.particles.pressure[i] - self.reaction_pressure(i)],
+        });
+        start.collect()
+    }
+
     fn divergence_per_residual(&self, h: f64) -> f64 {
         let square = self.setup.numerics.particle_spacing.powi(2);
         mean_diagonal(&self.work.locals) * h / (self.setup.water.density * square)
     }
 
-    /// Solves the pressure equation of the step of `h` (s) that is solved but not yet completed
-    /// once more, as `settings` ask, and puts the first solution back: a comparison of solvers on
-    /// the same equation. `None` where no step is solved.
+    /// A solver to compare with, which keeps factors from step to step as a run does.
+    #[must_use]
+    pub fn rival(&self, settings: PressureSettings) -> Rival {
+        let solver = solver(settings, &self.setup.network);
+        Rival { settings, solver, memory: PressureMemory::default() }
+    }
+
+    /// Solves the pressure equation of the step that is solved but not yet completed once more, by
+    /// the `rival`, and leaves everything as it was: a comparison of solvers on the same equation.
+    /// `None` where no step is solved.
     ///
     /// # Errors
     /// [`FluidError::PressureNotConverged`].
     pub fn try_pressure(
         &mut self,
-        settings: PressureSettings,
+        rival: &mut Rival,
     ) -> Result<Option<PressureReport>, FluidError> {
         let Some(h) = self.solved_for else { return Ok(None) };
-        let mut start = vec![[0.0]; self.work.solution.len()];
-        for (i, start) in start.iter_mut().enumerate() {
-            if self.work.on_surface[i] {
-                continue;
-            }
-            start[0] = if self.work.locals[i].diagonal > 0.0 {
-                self.state.particles.pressure[i] - self.reaction_pressure(i)
-            } else {
-                self.surface_pressure(i)
-            };
-        }
-        let found = std::mem::replace(&mut self.work.solution, start);
-        let memory = self.state.pressure.clone();
-        let mut other = solver(settings, &self.setup.network);
-        let stop = self.stop(&settings, self.divergence_per_residual(h));
-        let report = self.solve_assembled(h, Some((&mut *other, stop)));
-        self.work.solution = found;
-        self.state.pressure = memory;
-        report.map(Some)
+        let start = self.last_pressure();
+        self.solve_again(h, start, rival).map(|(report, _)| Some(report))
     }
+
+    /// Solves the assembled equation from `start` by the `rival`, and leaves everything as it was;
+    /// also the solution.
+    pub(crate) fn solve_again(
+        &mut self,
+        h: f64,
+        start: Vec<[f64; 1]>,
+        rival: &mut Rival,
+    ) -> Result<(PressureReport, Vec<[f64; 1]>), FluidError> {
+        let stop = self.stop(&rival.settings, self.divergence_per_residual(h));
+        let found = std::mem::replace(&mut self.work.solution, start);
+        std::mem::swap(&mut self.state.pressure, &mut rival.memory);
+        let report = self.solve_assembled(h, Some((&mut *rival.solver, stop)));
+        let solution = std::mem::replace(&mut self.work.solution, found);
+        std::mem::swap(&mut self.state.pressure, &mut rival.memory);
+        Ok((report?, solution))
+    }
+}
+
+/// A pressure solver beside the fluid's own.
+pub struct Rival {
+    settings: PressureSettings,
+    solver: Box<dyn PressureSolver>,
+    memory: PressureMemory,
 }
 
 /// The solver that `settings` ask for.
 pub(crate) fn solver(settings: PressureSettings, network: &Network) -> Box<dyn PressureSolver> {
     match settings.solver {
-        SolverKind::Ppe => Box::new(Poisson::new(settings)),
+        SolverKind::Ppe | SolverKind::Capped => Box::new(Poisson::new(settings)),
         SolverKind::Network => Box::new(NetworkSolver::new(network.clone(), settings, false)),
         SolverKind::Guarded => Box::new(NetworkSolver::new(network.clone(), settings, true)),
     }

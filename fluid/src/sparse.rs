@@ -3,9 +3,13 @@
 use crate::neighbours::BLOCK;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// A few right-hand sides that are solved together, one entry each.
 pub(crate) type Entry<const R: usize> = [f64; R];
+
+/// Sums that are made side by side in a product of a row, so that none waits for another.
+const LANES: usize = 4;
 
 /// A block of rows: off-diagonal entries in single precision. What their rounding takes from a
 /// row's sum goes to its diagonal, so that a constant vector is treated as exactly as in double
@@ -17,6 +21,8 @@ pub(crate) struct RowBlock {
     value: Vec<f32>,
     diagonal: Vec<f64>,
     lost: f64,
+    /// Least and largest column, the other way round where there is none.
+    reach: (u32, u32),
 }
 
 impl RowBlock {
@@ -27,6 +33,7 @@ impl RowBlock {
         self.value.clear();
         self.diagonal.clear();
         self.lost = 0.0;
+        self.reach = (u32::MAX, 0);
     }
 
     #[inline(always)]
@@ -35,6 +42,7 @@ impl RowBlock {
         self.column.push(column);
         self.value.push(rounded);
         self.lost += value - f64::from(rounded);
+        self.reach = (self.reach.0.min(column), self.reach.1.max(column));
     }
 
     #[inline(always)]
@@ -54,15 +62,26 @@ impl RowBlock {
     /// Product of row `local`, row `own` of the matrix, with `x`.
     #[inline(always)]
     fn times<const R: usize>(&self, local: usize, own: usize, x: &[Entry<R>]) -> Entry<R> {
-        let mut sum = x[own].map(|x| x * self.diagonal[local]);
+        let mut sums = [[0.0; R]; LANES];
+        sums[0] = x[own].map(|x| x * self.diagonal[local]);
         let (columns, values) = self.row(local);
-        for (&column, &value) in columns.iter().zip(values) {
-            let x = &x[column as usize];
-            for r in 0..R {
-                sum[r] += f64::from(value) * x[r];
+        let (columns, last_columns) = columns.as_chunks::<LANES>();
+        let (values, last_values) = values.as_chunks::<LANES>();
+        for (columns, values) in columns.iter().zip(values) {
+            for lane in 0..LANES {
+                let (x, value) = (&x[columns[lane] as usize], f64::from(values[lane]));
+                for r in 0..R {
+                    sums[lane][r] += value * x[r];
+                }
             }
         }
-        sum
+        for (&column, &value) in last_columns.iter().zip(last_values) {
+            let x = &x[column as usize];
+            for r in 0..R {
+                sums[0][r] += f64::from(value) * x[r];
+            }
+        }
+        std::array::from_fn(|r| (sums[0][r] + sums[1][r]) + (sums[2][r] + sums[3][r]))
     }
 }
 
@@ -79,12 +98,38 @@ impl SparseMatrix {
         self.blocks[i / BLOCK].row(i % BLOCK)
     }
 
-    /// Product of row `i` with `x`, in single precision.
+    /// Whether row `i` is that of a known value or of one that depends on known values alone.
     #[inline(always)]
-    pub(crate) fn times_single(&self, i: usize, x: &[f32]) -> f32 {
+    pub(crate) fn stands_alone(&self, i: usize) -> bool {
+        self.row(i).0.is_empty()
+    }
+
+    /// Product of row `i` with `x`, in single precision; `x` begins with that of row `first`.
+    #[inline(always)]
+    pub(crate) fn times_single(&self, i: usize, x: &[f32], first: usize) -> f32 {
         let (columns, values) = self.row(i);
-        let sum: f32 = columns.iter().zip(values).map(|(&j, &value)| value * x[j as usize]).sum();
-        x[i] + sum
+        let mut sums = [0.0f32; LANES];
+        let (columns, last_columns) = columns.as_chunks::<LANES>();
+        let (values, last_values) = values.as_chunks::<LANES>();
+        for (columns, values) in columns.iter().zip(values) {
+            for lane in 0..LANES {
+                sums[lane] += values[lane] * x[columns[lane] as usize - first];
+            }
+        }
+        for (&column, &value) in last_columns.iter().zip(last_values) {
+            sums[0] += value * x[column as usize - first];
+        }
+        x[i - first] + ((sums[0] + sums[1]) + (sums[2] + sums[3]))
+    }
+
+    /// The rows whose values products of the rows in `range` may need, those themselves among
+    /// them.
+    pub(crate) fn reach(&self, range: Range<usize>) -> Range<usize> {
+        let blocks = range.start / BLOCK..range.end.div_ceil(BLOCK);
+        let reaches = self.blocks[blocks].iter().map(|block| block.reach);
+        reaches.filter(|(low, high)| low <= high).fold(range, |range, (low, high)| {
+            range.start.min(low as usize)..range.end.max(high as usize + 1)
+        })
     }
 
     /// Number of rows.

@@ -67,6 +67,8 @@ pub(crate) struct Work {
     pub(crate) scratch: Vec<Scratch>,
     pub(crate) locals: Vec<Local>,
     pub(crate) matrix: SparseMatrix,
+    /// Ψ of Eq. (9b), kg/(m³ s).
+    pub(crate) source: Vec<f64>,
     pub(crate) rhs: Vec<[f64; 1]>,
     pub(crate) solution: Vec<[f64; 1]>,
     pub(crate) unit_rhs: Vec<[f64; 3]>,
@@ -97,6 +99,7 @@ impl Work {
         self.on_surface.resize(count, false);
         self.normal.resize(count, Vector2::zeros());
         self.locals.resize(count, Local::default());
+        self.source.resize(count, 0.0);
         self.rhs.resize(count, [0.0]);
         self.solution.resize(count, [0.0]);
         self.pressure.resize(count, 0.0);

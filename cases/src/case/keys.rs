@@ -154,8 +154,8 @@ pub struct PressureKeys {
     pub divergence_tolerance: f64,
     /// Iterations after which a solve has failed.
     pub max_iterations: u32,
-    /// Residual relative to the right-hand side above which a guarded network's step goes on with
-    /// the pressure Poisson equation.
+    /// Root-mean-square divergence left, in units of √(g/D), above which a guarded network's step goes
+    /// on with the pressure Poisson equation.
     pub guard_tolerance: f64,
     /// Damped Jacobi sweeps after a network.
     pub sweeps: u32,

@@ -79,3 +79,29 @@ pub(crate) fn entries(directory: &Path) -> Vec<String> {
     names.sort();
     names
 }
+
+/// A campaign of two cases of two frames each.
+pub(crate) const CAMPAIGN: &str = r#"
+seed = 1
+
+[[group]]
+name = "wave"
+wave = "solitary"
+start = "tank"
+cases = 2
+training_cases = 1
+frames = 2
+first_frame_s = 0.02
+frame_interval_s = 0.02
+depth_m = [0.2]
+particle_spacing_m = [0.02]
+length_over_depth = 6.0
+height_over_depth = [0.2, 0.4]
+"#;
+
+/// A directory with `tiny.toml`, a campaign, in it.
+pub(crate) fn campaign() -> TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("tiny.toml"), CAMPAIGN).unwrap();
+    directory
+}

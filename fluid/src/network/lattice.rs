@@ -187,21 +187,16 @@ pub(crate) struct Coarse {
 }
 
 impl Coarse {
-    /// Assembles Pᵀ A P for the particles in `cells` and factorizes it. Particles for which `known`
-    /// holds are not in it.
-    pub(crate) fn factorize(
-        &mut self,
-        cells: &Cells,
-        matrix: &SparseMatrix,
-        known: impl Fn(usize) -> bool + Sync,
-    ) {
+    /// Assembles Pᵀ A P for the particles in `cells` and factorizes it. Rows that stand alone are not
+    /// in it.
+    pub(crate) fn factorize(&mut self, cells: &Cells, matrix: &SparseMatrix) {
         let shape = cells.shape;
         let mut blocks = vec![[0.0f64; CELL]; shape.nodes()];
         blocks.par_iter_mut().with_min_len(16).enumerate().for_each(|(cell, block)| {
             let (column, row) = (cell / shape.rows, cell % shape.rows);
             for &i in cells.of(cell) {
-                if !known(i as usize) {
-                    add_row(cells, matrix, (column, row), i as usize, &known, block);
+                if !matrix.stands_alone(i as usize) {
+                    add_row(cells, matrix, (column, row), i as usize, block);
                 }
             }
         });
@@ -255,7 +250,6 @@ fn add_row(
     matrix: &SparseMatrix,
     corner: (usize, usize),
     i: usize,
-    known: &(impl Fn(usize) -> bool + Sync),
     block: &mut [f64; CELL],
 ) {
     let mut reached = [0.0f64; REACH * REACH];
@@ -274,7 +268,7 @@ fn add_row(
     add(own, 1.0);
     let (columns, values) = matrix.row(i);
     for (&j, &value) in columns.iter().zip(values) {
-        if !known(j as usize) {
+        if !matrix.stands_alone(j as usize) {
             add(cells.place[j as usize], f64::from(value));
         }
     }

@@ -1,14 +1,19 @@
 //! Networks that give the pressure in place of the pressure Poisson equation, section 2.3 of
 //! Ma, Zhang, Yan & Li (2024), and their inference on the processor in single precision.
 
+mod graph;
 pub(crate) mod lattice;
+pub mod paper;
 pub mod residual;
 mod weights;
 
+pub use graph::{PaperGraph, ResidualGraph};
+use paper::PaperWeights;
 use residual::ResidualWeights;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use weights::Tensors;
+pub use weights::{Decoded, decode, encode};
 
 /// A network with its weights.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,6 +24,8 @@ pub struct Network(pub(crate) Weights);
 pub(crate) enum Weights {
     /// [`residual`].
     Residual(ResidualWeights),
+    /// [`paper`].
+    Paper(Box<PaperWeights>),
 }
 
 /// What is wrong with a weights file.
@@ -32,7 +39,7 @@ pub enum NetworkError {
     #[error("the weights do not say for which network they are (metadata key \"network\")")]
     NoKind,
     /// The metadata name a network that there is not.
-    #[error("there is no network \"{kind}\" (there is: residual)")]
+    #[error("there is no network \"{kind}\" (there are: residual, paper)")]
     Kind {
         /// The name.
         kind: String,
@@ -86,6 +93,7 @@ impl Network {
         let (tensors, kind) = Tensors::read(bytes)?;
         match kind.as_str() {
             "residual" => ResidualWeights::new(&tensors).map(Weights::Residual).map(Self),
+            "paper" => PaperWeights::new(&tensors).map(|own| Self(Weights::Paper(Box::new(own)))),
             _ => Err(NetworkError::Kind { kind }),
         }
     }

@@ -21,6 +21,7 @@ use crate::neighbours::BLOCK;
 use crate::sparse::SparseMatrix;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Layers of message passing.
 pub const LAYERS: usize = 3;
@@ -44,39 +45,69 @@ pub const TENSORS: [(&str, &[usize]); 4] = [
 /// on a regular arrangement.
 pub const INITIAL_GATES: [f32; GATES] = [1.0, 1.0, 0.45, 0.6, 1.1, 0.0, 0.0];
 
-/// The weights.
+/// Gates of a particle, and one that is not used: rows of eight are quicker.
+pub(crate) type Gates = [f32; GATES + 1];
+
+/// The weights, a row for each input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ResidualWeights {
-    encoder: Vec<[f32; FEATURES]>,
-    encoder_bias: Vec<f32>,
-    gates: Vec<[f32; WIDTH]>,
-    gates_bias: Vec<f32>,
+    encoder: Vec<[f32; WIDTH]>,
+    encoder_bias: [f32; WIDTH],
+    gates: Vec<Gates>,
+    gates_bias: Gates,
 }
 
 impl ResidualWeights {
     pub(crate) fn new(tensors: &Tensors) -> Result<Self, NetworkError> {
         let [encoder, encoder_bias, gates, gates_bias] = tensors.take(TENSORS)?;
+        let gate =
+            |k: usize, values: &dyn Fn(usize) -> f32| if k < GATES { values(k) } else { 0.0 };
         Ok(Self {
-            encoder: encoder.as_chunks().0.to_vec(),
-            encoder_bias,
-            gates: gates.as_chunks().0.to_vec(),
-            gates_bias,
+            encoder: (0..FEATURES)
+                .map(|input| std::array::from_fn(|k| encoder[k * FEATURES + input]))
+                .collect(),
+            encoder_bias: std::array::from_fn(|k| encoder_bias[k]),
+            gates: (0..WIDTH)
+                .map(|input| std::array::from_fn(|k| gate(k, &|k| gates[k * WIDTH + input])))
+                .collect(),
+            gates_bias: std::array::from_fn(|k| gate(k, &|k| gates_bias[k])),
         })
     }
 
     /// The gates of a particle.
     #[inline(always)]
-    fn gates(&self, features: [f32; FEATURES]) -> [f32; GATES] {
-        let mut hidden = [0.0f32; WIDTH];
-        for ((hidden, row), bias) in hidden.iter_mut().zip(&self.encoder).zip(&self.encoder_bias) {
-            let sum: f32 = row.iter().zip(&features).map(|(w, f)| w * f).sum();
-            *hidden = (sum + bias).max(0.0);
+    fn gates(&self, features: [f32; FEATURES]) -> Gates {
+        let mut hidden = self.encoder_bias;
+        for (row, feature) in self.encoder.iter().zip(features) {
+            for (hidden, weight) in hidden.iter_mut().zip(row) {
+                *hidden += weight * feature;
+            }
         }
-        let mut gates = [0.0f32; GATES];
-        for ((gate, row), bias) in gates.iter_mut().zip(&self.gates).zip(&self.gates_bias) {
-            *gate = bias + row.iter().zip(&hidden).map(|(w, h)| w * h).sum::<f32>();
+        let mut gates = self.gates_bias;
+        for (row, hidden) in self.gates.iter().zip(hidden) {
+            let hidden = hidden.max(0.0);
+            for (gate, weight) in gates.iter_mut().zip(row) {
+                *gate += weight * hidden;
+            }
         }
         gates
+    }
+
+    /// The gates of all particles.
+    pub(crate) fn all_gates(
+        &self,
+        matrix: &SparseMatrix,
+        cells: &Cells,
+        walls: impl Fn(usize) -> usize + Sync,
+        gates: &mut Vec<Gates>,
+    ) {
+        gates.resize(cells.place.len(), [0.0; GATES + 1]);
+        gates.par_chunks_mut(BLOCK).enumerate().for_each(|(block, gates)| {
+            for (offset, gates) in gates.iter_mut().enumerate() {
+                let i = block * BLOCK + offset;
+                *gates = self.gates(features(matrix, cells, walls(i), i));
+            }
+        });
     }
 }
 
@@ -109,73 +140,107 @@ pub(crate) fn features(
     ]
 }
 
+/// Rows whose layers are worked off together, so that their part of the matrix is fetched once.
+const SLAB: usize = 16 * BLOCK;
+
 /// The network at work.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Residual {
-    gates: Vec<[f32; GATES]>,
     coarse: Vec<f32>,
+    start: Vec<f32>,
+    found: Vec<f32>,
+    slabs: Vec<Slab>,
+}
+
+/// Values of the layers around a slab, and the sum of squares of its residual.
+#[derive(Clone, Debug, Default)]
+struct Slab {
     x: Vec<f32>,
     before: Vec<f32>,
     next: Vec<f32>,
+    square: f64,
+}
+
+/// What the layers work on.
+#[derive(Clone, Copy)]
+struct Layers<'a> {
+    gates: &'a [Gates],
+    matrix: &'a SparseMatrix,
+    r: &'a [f32],
 }
 
 impl Residual {
-    /// The correction for the residual `r` (Pa) of the rows of `matrix`, Pa. `walls(i)` is the
-    /// number of wall particles around particle i. Rows for which `known` holds stay at zero.
+    /// The correction for the residual `r` (Pa) of the rows of `matrix`, Pa, and the sum of the
+    /// squares of the residual that was left before the last layer, Pa². A row that stands alone, as
+    /// those of the surface do, is corrected by its residual.
     pub(crate) fn correction(
         &mut self,
-        weights: &ResidualWeights,
+        gates: &[Gates],
         matrix: &SparseMatrix,
         (cells, coarse): (&mut Cells, &Coarse),
-        walls: impl Fn(usize) -> usize + Sync,
-        known: &[bool],
         r: &[f32],
-    ) -> &[f32] {
+    ) -> (&[f32], f64) {
         let n = r.len();
-        self.gates.resize(n, [0.0; GATES]);
-        for vector in [&mut self.x, &mut self.before, &mut self.next] {
-            vector.resize(n, 0.0);
-        }
-        let sorted = &*cells;
-        self.gates.par_chunks_mut(BLOCK).enumerate().for_each(|(block, gates)| {
-            for (offset, gates) in gates.iter_mut().enumerate() {
-                let i = block * BLOCK + offset;
-                if known[i] {
-                    *gates = [0.0; GATES];
-                } else {
-                    *gates = weights.gates(features(matrix, sorted, walls(i), i));
-                }
-            }
-        });
-        let gates = &self.gates;
-        cells.restrict(|i| gates[i][0] * r[i], &mut self.coarse);
+        self.start.resize(n, 0.0);
+        self.found.resize(n, 0.0);
+        self.slabs.resize_with(n.div_ceil(SLAB), Slab::default);
+        let sent = |i| if matrix.stands_alone(i) { 0.0 } else { gates[i][0] * r[i] };
+        cells.restrict(sent, &mut self.coarse);
         coarse.solve(&mut self.coarse);
         let (cells, nodes) = (&*cells, &self.coarse);
-        self.x.par_chunks_mut(BLOCK).enumerate().for_each(|(block, x)| {
+        self.start.par_chunks_mut(BLOCK).enumerate().for_each(|(block, x)| {
             for (offset, x) in x.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
-                *x = gates[i][1] * cells.interpolate(i, nodes);
+                *x = match matrix.stands_alone(i) {
+                    true => r[i],
+                    false => gates[i][1] * cells.interpolate(i, nodes),
+                };
             }
         });
-        self.before.copy_from_slice(&self.x);
+        let (layers, start) = (Layers { gates, matrix, r }, &self.start);
+        let slabs = self.found.par_chunks_mut(SLAB).zip(&mut self.slabs);
+        slabs.enumerate().for_each(|(index, (found, slab))| {
+            slab.work(layers, start, index * SLAB, found);
+        });
+        (&self.found, self.slabs.iter().map(|slab| slab.square).sum())
+    }
+}
+
+impl Slab {
+    /// All layers for the rows from `first` on that `found` is for, from `start`. A layer is worked
+    /// off for as many rows around as the next one reaches.
+    fn work(&mut self, layers: Layers<'_>, start: &[f32], first: usize, found: &mut [f32]) {
+        let Layers { gates, matrix, r } = layers;
+        let mut ranges: [Range<usize>; LAYERS + 1] =
+            std::array::from_fn(|_| first..first + found.len());
+        for layer in (0..LAYERS).rev() {
+            ranges[layer] = matrix.reach(ranges[layer + 1].clone());
+        }
+        let low = ranges[0].start;
+        self.x.clear();
+        self.x.extend_from_slice(&start[ranges[0].clone()]);
+        self.before.resize(self.x.len(), 0.0);
+        self.next.resize(self.x.len(), 0.0);
         for layer in 0..LAYERS {
-            let (x, before) = (&self.x, &self.before);
-            self.next.par_chunks_mut(BLOCK).enumerate().for_each(|(block, next)| {
-                for (offset, next) in next.iter_mut().enumerate() {
-                    let i = block * BLOCK + offset;
-                    let gate = &gates[i];
-                    let messages = matrix.times_single(i, x);
-                    let carried = if layer == 0 {
-                        0.0
-                    } else {
-                        gate[1 + LAYERS + layer] * (x[i] - before[i])
-                    };
-                    *next = x[i] + gate[2 + layer] * (r[i] - messages) + carried;
+            self.square = 0.0;
+            for i in ranges[layer + 1].clone() {
+                let own = i - low;
+                if matrix.stands_alone(i) {
+                    self.next[own] = r[i];
+                    continue;
                 }
-            });
+                let gate = &gates[i];
+                let left = r[i] - matrix.times_single(i, &self.x, low);
+                self.square += f64::from(left) * f64::from(left);
+                let mut next = self.x[own] + gate[2 + layer] * left;
+                if layer > 0 {
+                    next += gate[1 + LAYERS + layer] * (self.x[own] - self.before[own]);
+                }
+                self.next[own] = next;
+            }
             std::mem::swap(&mut self.before, &mut self.x);
             std::mem::swap(&mut self.x, &mut self.next);
         }
-        &self.x
+        found.copy_from_slice(&self.x[first - low..first - low + found.len()]);
     }
 }

@@ -1,29 +1,30 @@
 //! The pressure by a network, alone or guarded.
 //!
-//! Guarded: after the network, optional damped Jacobi sweeps; then the residual is checked, and a
-//! step whose residual is above the guard's goes on with the pressure Poisson equation from there.
+//! Guarded: after the network, optional damped Jacobi sweeps; then the divergence that is left is
+//! checked, and a step that leaves more than the guard allows goes on with the pressure Poisson
+//! equation from there.
 
 use crate::error::FluidError;
 use crate::neighbours::BLOCK;
 use crate::network::lattice::Cells;
-use crate::network::residual::Residual;
+use crate::network::paper::{self, Paper, PaperWeights};
+use crate::network::residual::{Residual, ResidualWeights};
 use crate::network::{Network, Weights};
 use crate::pressure::poisson::Poisson;
 use crate::pressure::solver::{PressureReport, PressureSettings, PressureSolver, Problem, Start};
 use crate::sparse::Entry;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::time::Instant;
-
-/// Part of a residual that a damped Jacobi sweep takes.
-const DAMPING: f64 = 0.6;
 
 /// Finds the pressure by a network.
 pub(crate) struct NetworkSolver {
-    weights: Weights,
+    weights: Arc<Weights>,
     settings: PressureSettings,
     guarded: bool,
     cells: Cells,
     residual: Residual,
+    paper: Paper,
     single: Vec<f32>,
     product: Vec<[f64; 1]>,
     sums: Vec<[Entry<1>; 2]>,
@@ -33,11 +34,12 @@ pub(crate) struct NetworkSolver {
 impl NetworkSolver {
     pub(crate) fn new(network: Network, settings: PressureSettings, guarded: bool) -> Self {
         Self {
-            weights: network.0,
+            weights: Arc::new(network.0),
             settings,
             guarded,
             cells: Cells::default(),
             residual: Residual::default(),
+            paper: Paper::default(),
             single: Vec::new(),
             product: Vec::new(),
             sums: Vec::new(),
@@ -45,54 +47,20 @@ impl NetworkSolver {
         }
     }
 
-    /// r = b − A p into `product`; its square and that of b.
-    fn residual(&mut self, problem: &Problem<'_>) -> (f64, f64) {
-        self.product.resize(problem.rhs.len(), [0.0]);
-        let rhs = problem.rhs;
-        let [[r2], [b2]] = problem.matrix.multiply(
-            problem.pressure,
-            &mut self.product,
-            &mut self.sums,
-            |i, r, [r2, b2]| {
-                r[0] = rhs[i][0] - r[0];
-                r2[0] += r[0] * r[0];
-                b2[0] += rhs[i][0] * rhs[i][0];
-            },
-        );
-        (r2, b2)
-    }
-
-    /// p ← p + ω r.
-    fn sweep(&mut self, problem: &mut Problem<'_>) {
-        for (p, r) in problem.pressure.iter_mut().zip(&self.product) {
-            p[0] += DAMPING * r[0];
-        }
-    }
-
-    fn correct(&mut self, problem: &mut Problem<'_>) {
-        let fields = problem.fields;
-        let known = fields.on_surface;
-        let coarse = problem.memory.coarse(
-            &mut self.cells,
-            fields.position,
-            fields.spacing,
-            problem.matrix,
-            known,
-            problem.step,
-        );
+    /// Adds the residual network's correction to the pressure; the sum of the squares of the
+    /// residual before its last layer, Pa².
+    fn correct(&mut self, weights: &ResidualWeights, problem: &mut Problem<'_>) -> f64 {
+        let (fields, matrix) = (problem.fields, problem.matrix);
         self.single.resize(self.product.len(), 0.0);
-        for (single, r) in self.single.iter_mut().zip(&self.product) {
-            *single = r[0] as f32;
-        }
-        let Weights::Residual(weights) = &self.weights;
-        let correction = self.residual.correction(
-            weights,
-            problem.matrix,
-            (&mut self.cells, coarse),
-            |i| fields.wall_lists.of(i).len(),
-            known,
-            &self.single,
+        self.single.par_chunks_mut(BLOCK).zip(self.product.par_chunks(BLOCK)).for_each(
+            |(single, r)| single.iter_mut().zip(r).for_each(|(single, r)| *single = r[0] as f32),
         );
+        let (coarse, gates) =
+            problem.memory.coarse(&mut self.cells, fields, matrix, problem.step, |cells, gates| {
+                weights.all_gates(matrix, cells, |i| fields.wall_lists.of(i).len(), gates);
+            });
+        let levels = (&mut self.cells, coarse);
+        let (correction, left) = self.residual.correction(gates, matrix, levels, &self.single);
         problem
             .pressure
             .par_chunks_mut(BLOCK)
@@ -103,18 +71,48 @@ impl NetworkSolver {
                     p[0] += f64::from(*change);
                 }
             });
+        left
+    }
+
+    /// Puts the pressure of the paper's network in the place of the last.
+    fn replace(&mut self, weights: &PaperWeights, problem: &mut Problem<'_>) {
+        let (fields, scales) = (problem.fields, problem.scales);
+        let elevation = paper::elevations(fields.position, fields.on_surface, scales.depth);
+        let weight = scales.density * scales.gravity;
+        self.paper.links.find(fields.position, scales.spacing, |i| fields.fluid.of(i));
+        let (source, last) = (problem.source, &*problem.pressure);
+        let inputs = |i: usize| {
+            // p = 0 on the surface is p_d = 0.
+            let p_d = if fields.on_surface[i] { 0.0 } else { last[i][0] - weight * elevation[i] };
+            let velocity = fields.velocity[i];
+            paper::inputs(&scales, source[i], [velocity.x, velocity.y], p_d)
+        };
+        let found = self.paper.pressure(weights, inputs, fields.position.len());
+        let unit = weight * scales.depth;
+        for (i, p) in problem.pressure.iter_mut().enumerate() {
+            p[0] = match problem.matrix.stands_alone(i) {
+                true => problem.rhs[i][0],
+                false => f64::from(found[i]) * unit + weight * elevation[i],
+            };
+        }
     }
 }
 
 impl PressureSolver for NetworkSolver {
     fn solve(&mut self, mut problem: Problem<'_>) -> Result<PressureReport, FluidError> {
         let begun = Instant::now();
-        let (before, size) = self.residual(&problem);
-        self.correct(&mut problem);
-        let (mut after, _) = self.residual(&problem);
+        let (before, size) = problem.residual(&mut self.product, &mut self.sums);
+        let weights = Arc::clone(&self.weights);
+        let mut after = match &*weights {
+            Weights::Residual(weights) => self.correct(weights, &mut problem),
+            Weights::Paper(weights) => {
+                self.replace(weights, &mut problem);
+                problem.residual(&mut self.product, &mut self.sums).0
+            }
+        };
         for _ in 0..self.settings.sweeps {
-            self.sweep(&mut problem);
-            (after, _) = self.residual(&problem);
+            (after, _) = problem.residual(&mut self.product, &mut self.sums);
+            problem.sweep(&self.product);
         }
         let n = problem.rhs.len() as f64;
         let relative = |square: f64| if square > 0.0 { (square / size).sqrt() } else { 0.0 };
@@ -126,8 +124,8 @@ impl PressureSolver for NetworkSolver {
             fell_back: false,
             time: begun.elapsed(),
         };
-        let settled = (after / n).sqrt() <= problem.stop.absolute;
-        let good = report.residual <= self.settings.guard_tolerance || settled;
+        let rate = (problem.scales.gravity / problem.scales.depth).sqrt();
+        let good = report.divergence_left <= self.settings.guard_tolerance * rate;
         if !self.guarded {
             if after.is_finite() {
                 return Ok(report);

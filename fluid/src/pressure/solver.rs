@@ -3,10 +3,11 @@
 
 use crate::error::FluidError;
 use crate::fields::Fields;
+use crate::frame::Scales;
 use crate::krylov::Stop;
 use crate::network::lattice::{self, Cells, Coarse};
-use crate::sparse::{Preconditioner, SparseMatrix};
-use nalgebra::Point2;
+use crate::network::residual::Gates;
+use crate::sparse::{Entry, Preconditioner, SparseMatrix};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -29,6 +30,10 @@ pub(crate) struct Problem<'a> {
     pub(crate) pressure: &'a mut [[f64; 1]],
     /// Change of the pressure over the step before, Pa.
     pub(crate) change: &'a [f64],
+    /// Ψ of Eq. (9b), kg/(m³ s).
+    pub(crate) source: &'a [f64],
+    /// Step, spacing and water.
+    pub(crate) scales: Scales,
     /// Particles, walls and neighbours where the step is assembled.
     pub(crate) fields: Fields<'a>,
     /// Number of the step.
@@ -48,10 +53,13 @@ pub(crate) struct PressureMemory {
     factorized_at: Option<u64>,
     coarse: Coarse,
     coarse_at: Option<u64>,
+    gates: Vec<Gates>,
 }
 
-/// Steps between two factorizations of the preconditioner, and of the network's coarse level.
+/// Steps between two factorizations of the preconditioner.
 const FACTORS_LAST: u64 = 8;
+/// Steps between two of the network's coarse level, which stands still and sees particles pass.
+const COARSE_LASTS: u64 = 16;
 
 impl PressureMemory {
     /// The factors of `matrix` or of one a few steps back.
@@ -69,30 +77,62 @@ impl PressureMemory {
         &mut self.preconditioner
     }
 
-    /// The coarse level of the network, of this step or a few steps back, and the particles at
-    /// `position` sorted into its `cells`. Particles that are `known` are not in it.
+    /// The coarse level of the network and its gates, of this step or a few steps back, and the
+    /// particles sorted into its `cells`. `gates` makes the gates.
     pub(crate) fn coarse(
         &mut self,
         cells: &mut Cells,
-        position: &[Point2<f64>],
-        spacing: f64,
+        fields: Fields,
         matrix: &SparseMatrix,
-        known: &[bool],
         step: u64,
-    ) -> &Coarse {
-        let due = self.coarse_at.is_none_or(|built| step - built >= FACTORS_LAST);
-        let shape = if due { lattice::shape(position, spacing) } else { self.coarse.shape };
-        cells.sort(position, spacing, shape);
+        gates: impl Fn(&Cells, &mut Vec<Gates>),
+    ) -> (&Coarse, &[Gates]) {
+        let position = fields.position;
+        let due = self.coarse_at.is_none_or(|built| step - built >= COARSE_LASTS);
+        let shape = if due { lattice::shape(position, fields.spacing) } else { self.coarse.shape };
+        cells.sort(position, fields.spacing, shape);
         if due {
-            self.coarse.factorize(cells, matrix, |i| known[i]);
+            self.coarse.factorize(cells, matrix);
             self.coarse_at = Some(step);
         }
-        &self.coarse
+        if due || self.gates.len() != position.len() {
+            gates(cells, &mut self.gates);
+        }
+        (&self.coarse, &self.gates)
     }
 
     /// The particles have been renumbered: factors of the old numbering are of no use.
     pub(crate) fn forget(&mut self) {
         self.factorized_at = None;
+        self.gates.clear();
+    }
+}
+
+/// Part of a residual that a damped Jacobi sweep takes.
+const DAMPING: f64 = 0.6;
+
+impl Problem<'_> {
+    /// r = b − A p into `r`; the squares of r and of b. `sums` is scratch.
+    pub(crate) fn residual(
+        &self,
+        r: &mut Vec<[f64; 1]>,
+        sums: &mut Vec<[Entry<1>; 2]>,
+    ) -> (f64, f64) {
+        let rhs = self.rhs;
+        r.resize(rhs.len(), [0.0]);
+        let [[r2], [b2]] = self.matrix.multiply(self.pressure, r, sums, |i, r, [r2, b2]| {
+            r[0] = rhs[i][0] - r[0];
+            r2[0] += r[0] * r[0];
+            b2[0] += rhs[i][0] * rhs[i][0];
+        });
+        (r2, b2)
+    }
+
+    /// A damped Jacobi sweep, p ← p + ω r.
+    pub(crate) fn sweep(&mut self, r: &[[f64; 1]]) {
+        for (p, r) in self.pressure.iter_mut().zip(r) {
+            p[0] += DAMPING * r[0];
+        }
     }
 }
 
@@ -103,7 +143,8 @@ pub struct PressureReport {
     pub iterations: usize,
     /// Residual of the start relative to the right-hand side, 2-norms.
     pub residual_before: f64,
-    /// Residual of the solution relative to the right-hand side, 2-norms.
+    /// Residual of the solution relative to the right-hand side, 2-norms. That of a network without
+    /// sweeps is the residual before its last layer, which comes for nothing.
     pub residual: f64,
     /// Root-mean-square divergence that the solution leaves in the velocity, 1/s.
     pub divergence_left: f64,
@@ -126,12 +167,12 @@ pub struct PressureSettings {
     pub tolerance: f64,
     /// Stop in any case: root-mean-square divergence left, in units of √(g/D).
     pub divergence_tolerance: f64,
-    /// Iterations after which a solve has failed.
+    /// Iterations after which a solve has failed, or ends where it is capped.
     pub max_iterations: usize,
-    /// Residual relative to the right-hand side above which a guarded network's step goes on with
-    /// the pressure Poisson equation.
+    /// Root-mean-square divergence left, in units of √(g/D), above which a guarded network's step goes
+    /// on with the pressure Poisson equation.
     pub guard_tolerance: f64,
-    /// Damped Jacobi sweeps after a network.
+    /// Damped Jacobi sweeps after a network or capped iterations.
     pub sweeps: u32,
 }
 
@@ -144,7 +185,7 @@ impl Default for PressureSettings {
             tolerance: 1e-3,
             divergence_tolerance: 5e-7,
             max_iterations: 500,
-            guard_tolerance: 5e-3,
+            guard_tolerance: 1e-3,
             sweeps: 0,
         }
     }
@@ -160,6 +201,8 @@ pub enum SolverKind {
     Network,
     /// A network, and the pressure Poisson equation where its residual is too large.
     Guarded,
+    /// For comparisons: as many iterations and sweeps as are asked for, whatever residual remains.
+    Capped,
 }
 
 /// The preconditioners of the pressure Poisson equation.
@@ -180,7 +223,7 @@ pub enum Start {
     Warm,
     /// Zero, as in conventional ISPH.
     Cold,
-    /// What it is given: a network's pressure.
-    #[serde(skip)]
+    /// What it is given: the pressure of the last step, or a network's.
+    #[serde(rename = "last")]
     Given,
 }

@@ -17,7 +17,6 @@ struct Tank {
     matrix: SparseMatrix,
     cells: Cells,
     coarse: Coarse,
-    known: Vec<bool>,
 }
 
 impl Tank {
@@ -30,11 +29,10 @@ impl Tank {
                 Point2::new(at(column, 5), at(row, 6))
             })
             .collect();
-        let known = vec![false; GRID.len()];
         let (mut cells, mut coarse) = (Cells::default(), Coarse::default());
         cells.sort(&positions, SPACING, lattice::shape(&positions, SPACING));
-        coarse.factorize(&cells, &matrix, |i| known[i]);
-        Self { matrix, cells, coarse, known }
+        coarse.factorize(&cells, &matrix);
+        Self { matrix, cells, coarse }
     }
 
     /// What the network leaves of the error `v`: v − G A v.
@@ -46,10 +44,11 @@ impl Tank {
     }
 
     fn correction(&mut self, r: &[f32]) -> Vec<f32> {
-        let Weights::Residual(weights) = Network::shipped().unwrap().0;
+        let Weights::Residual(weights) = Network::shipped().unwrap().0 else { unreachable!() };
+        let mut gates = Vec::new();
+        weights.all_gates(&self.matrix, &self.cells, |_| 0, &mut gates);
         let levels = (&mut self.cells, &self.coarse);
-        let mut network = Residual::default();
-        network.correction(&weights, &self.matrix, levels, |_| 0, &self.known, r).to_vec()
+        Residual::default().correction(&gates, &self.matrix, levels, r).0.to_vec()
     }
 }
 
@@ -142,7 +141,7 @@ fn damaged_weights_are_told_apart() {
     };
     let kind = replaced("\"residual\"", "\"residuum\"");
     assert!(matches!(kind, NetworkError::Kind { .. }), "{kind}");
-    let shape = replaced("[16, 6]", "[6, 16]");
+    let shape = replaced("[16,6]", "[6,16]");
     assert!(matches!(shape, NetworkError::Shape { .. }), "{shape}");
     let missing = replaced("encoder.bias", "encoder.bits");
     assert!(matches!(missing, NetworkError::Missing { .. }), "{missing}");

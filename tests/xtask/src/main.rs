@@ -1,7 +1,7 @@
 //! The checks of this workspace in one command: `cargo xtask test`.
 //!
-//! Needs Rust only. `cargo nextest` is used where it is installed, `cargo test` otherwise.
-//! `cargo xtask libtorch` needs Linux on x86-64 with Python's pip.
+//! `cargo nextest` is used where it is installed, `cargo test` otherwise. The tests of training need
+//! libtorch, which is fetched once: Linux on x86-64 with Python's pip.
 
 mod libtorch;
 
@@ -69,15 +69,47 @@ const DOCUMENTATION_TESTS: Check = Check {
     environment: &[],
 };
 
+/// Training, which is no part of the default build. Its tests alone: all else is the same without.
+const LINTS_OF_TRAINING: Check = Check {
+    name: "lints of training",
+    arguments: &[
+        "clippy",
+        "-p",
+        "seakeep",
+        "-p",
+        "seakeep-learning",
+        "--features",
+        "seakeep/doc-only",
+        "--all-targets",
+        "--",
+        "-D",
+        "warnings",
+    ],
+    environment: &[],
+};
+const TESTS_OF_TRAINING: Check = Check {
+    name: "tests of training",
+    arguments: &["test", "-p", "seakeep", "--features", "torch", "--test", "training"],
+    environment: &[],
+};
+
 /// Runs every check, so that one report names all that is wrong, and the tests last, so that
 /// their closing line is the last that is seen.
 fn test() -> ExitCode {
     let tests = if has_nextest() { NEXTEST } else { TESTS };
     let mut failed = Vec::new();
-    for check in [FORMAT, LINTS, DOCUMENTATION, DOCUMENTATION_TESTS, tests] {
-        if !passes(&check) {
-            failed.push(check.name);
+    let checks = [FORMAT, LINTS, LINTS_OF_TRAINING, DOCUMENTATION, DOCUMENTATION_TESTS];
+    failed.extend(checks.iter().filter(|check| !passes(check)).map(|check| check.name));
+    match libtorch::provide(root()) {
+        Ok(()) if passes(&TESTS_OF_TRAINING) => {}
+        Ok(()) => failed.push(TESTS_OF_TRAINING.name),
+        Err(error) => {
+            say(&error);
+            failed.push("libtorch");
         }
+    }
+    if !passes(&tests) {
+        failed.push(tests.name);
     }
     if failed.is_empty() {
         say("all checks passed");

@@ -1,0 +1,169 @@
+//! The networks on a frame, outside of a run: what training and tests work on.
+
+use super::lattice::{self, Cells, Coarse};
+use super::paper::{self, Links, Paper};
+use super::residual::{self, Residual};
+use super::{Network, Weights};
+use crate::frame::Frame;
+use crate::neighbours::{CellGrid, Neighbours};
+use crate::sparse::SparseMatrix;
+use nalgebra::Point2;
+
+/// A frame as the residual network sees it.
+#[derive(Clone, Debug)]
+pub struct ResidualGraph {
+    /// [`residual::FEATURES`] numbers a particle.
+    pub features: Vec<f32>,
+    /// The four lattice nodes around each particle.
+    pub nodes: Vec<u32>,
+    /// Their bilinear weights.
+    pub weights: Vec<f32>,
+    /// Number of nodes c.
+    pub node_count: usize,
+    /// Inverse of the coarse equation, c × c, by rows.
+    pub coarse_inverse: Vec<f32>,
+}
+
+struct Levels {
+    matrix: SparseMatrix,
+    cells: Cells,
+    coarse: Coarse,
+}
+
+fn points(frame: &Frame) -> Vec<Point2<f64>> {
+    let points = frame.position.as_chunks::<2>().0.iter();
+    points.map(|[x, y]| Point2::new(f64::from(*x), f64::from(*y))).collect()
+}
+
+fn known(frame: &Frame) -> Vec<bool> {
+    frame.on_surface.iter().map(|surface| *surface != 0).collect()
+}
+
+fn levels(frame: &Frame) -> Levels {
+    let matrix = frame.matrix();
+    let position = points(frame);
+    let (mut cells, mut coarse) = (Cells::default(), Coarse::default());
+    let spacing = frame.scales.spacing;
+    cells.sort(&position, spacing, lattice::shape(&position, spacing));
+    coarse.factorize(&cells, &matrix);
+    Levels { matrix, cells, coarse }
+}
+
+impl ResidualGraph {
+    /// The graph of `frame`.
+    #[must_use]
+    pub fn new(frame: &Frame) -> Self {
+        let Levels { matrix, cells, coarse, .. } = levels(frame);
+        let count = cells.shape.nodes();
+        let mut transposed = vec![0.0f32; count * count];
+        for (node, column) in transposed.chunks_exact_mut(count.max(1)).enumerate() {
+            column[node] = 1.0;
+            coarse.solve(column);
+        }
+        let inverse = (0..count * count).map(|k| transposed[k % count * count + k / count]);
+        let features = |i| residual::features(&matrix, &cells, usize::from(frame.walls[i]), i);
+        Self {
+            features: (0..frame.len()).flat_map(features).collect(),
+            nodes: (cells.place.iter())
+                .flat_map(|place| place.nodes(cells.shape).map(|node| node as u32))
+                .collect(),
+            weights: cells.place.iter().flat_map(|place| place.weights()).collect(),
+            node_count: count,
+            coarse_inverse: inverse.collect(),
+        }
+    }
+}
+
+/// A frame as the paper's network sees it.
+#[derive(Clone, Debug)]
+pub struct PaperGraph {
+    /// [`paper::INPUTS`] dimensionless numbers a particle.
+    pub inputs: Vec<f32>,
+    /// Where each particle's links begin, n + 1.
+    pub link_start: Vec<u32>,
+    /// The particle at the other end of each link.
+    pub link: Vec<u32>,
+    /// Weights of the links, Eqs. (23) and (24): they add up to one for each particle.
+    pub link_weight: Vec<f32>,
+    /// ρ g D, the unit of p_d, Pa.
+    pub unit: f32,
+    /// p_d of the step before, Pa, n.
+    pub last: Vec<f32>,
+}
+
+impl PaperGraph {
+    /// The graph of `frame`.
+    #[must_use]
+    pub fn new(frame: &Frame) -> Self {
+        let (scales, position) = (frame.scales, points(frame));
+        let known = known(frame);
+        let elevation = paper::elevations(&position, &known, scales.depth);
+        let weight = scales.density * scales.gravity;
+        let last: Vec<f64> =
+            frame.last.iter().zip(&elevation).map(|(p, y)| f64::from(*p) - weight * y).collect();
+        let inputs = (0..frame.len()).flat_map(|i| {
+            let velocity = [frame.velocity[2 * i], frame.velocity[2 * i + 1]].map(f64::from);
+            paper::inputs(&scales, f64::from(frame.source[i]), velocity, last[i])
+        });
+        let inputs = inputs.collect();
+        let links = links(&position, scales.spacing);
+        Self {
+            inputs,
+            link_start: links.start,
+            link: links.column,
+            link_weight: links.weight,
+            unit: (weight * scales.depth) as f32,
+            last: last.iter().map(|p| *p as f32).collect(),
+        }
+    }
+}
+
+fn links(position: &[Point2<f64>], spacing: f64) -> Links {
+    let radius = paper::RADIUS * spacing;
+    let low = position.iter().fold(Point2::origin(), |low: Point2<f64>, x| low.inf(x));
+    let high = position.iter().fold(Point2::origin(), |high: Point2<f64>, x| high.sup(x));
+    let mut grid = CellGrid::new(low, high, radius);
+    grid.sort(position);
+    let mut neighbours = Neighbours::default();
+    neighbours.find(position, position, &grid, radius, |i, j| i != j);
+    let mut links = Links::default();
+    links.find(position, spacing, |i| neighbours.of(i));
+    links
+}
+
+impl Network {
+    /// The change of the last pressure that the network finds in `frame`, Pa, n.
+    #[must_use]
+    pub fn correction(&self, frame: &Frame) -> Vec<f32> {
+        match &self.0 {
+            Weights::Residual(weights) => {
+                let mut levels = levels(frame);
+                let walls = |i: usize| usize::from(frame.walls[i]);
+                let mut gates = Vec::new();
+                weights.all_gates(&levels.matrix, &levels.cells, walls, &mut gates);
+                let both = (&mut levels.cells, &levels.coarse);
+                let mut network = Residual::default();
+                let (found, _) = network.correction(&gates, &levels.matrix, both, &frame.residual);
+                found.to_vec()
+            }
+            Weights::Paper(weights) => {
+                let graph = PaperGraph::new(frame);
+                let mut network = Paper::default();
+                network.links = Links {
+                    start: graph.link_start,
+                    column: graph.link,
+                    weight: graph.link_weight,
+                };
+                let inputs = graph.inputs.as_chunks().0;
+                let found = network.pressure(weights, |i| inputs[i], frame.len());
+                let alone = |i: usize| frame.row_start[i] == frame.row_start[i + 1];
+                (found.iter().zip(&graph.last).enumerate())
+                    .map(|(i, (found, last))| match alone(i) {
+                        true => frame.residual[i],
+                        false => found * graph.unit - last,
+                    })
+                    .collect()
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! A frame as tensors.
+
+use seakeep_fluid::frame::Frame;
+use tch::{Device, Kind, Tensor};
+
+/// What all networks need of a frame of n particles.
+pub(crate) struct Graph {
+    row_start: Tensor,
+    column: Tensor,
+    value: Tensor,
+    /// 0 for a row that stands alone, as those of the surface do, otherwise 1: n × 1.
+    pub(crate) active: Tensor,
+    /// Weights s of Eq. (29), n × 1.
+    pub(crate) weight: Tensor,
+    /// b − A p of the last pressure, n × 1, in units of `scale`.
+    pub(crate) residual: Tensor,
+    /// Exact minus last pressure, n × 1, in units of `scale`.
+    pub(crate) target: Tensor,
+    /// Root mean square of the target, Pa.
+    pub(crate) scale: f64,
+    /// Number of particles.
+    pub(crate) count: i64,
+}
+
+impl Graph {
+    pub(crate) fn new(frame: &Frame, device: Device) -> Self {
+        let count = frame.len() as i64;
+        let square: f64 = frame.target.iter().map(|v| f64::from(*v).powi(2)).sum();
+        let scale = (square / count.max(1) as f64).sqrt().max(f64::MIN_POSITIVE);
+        let scaled = |values: &[f32]| -> Vec<f32> {
+            values.iter().map(|value| (f64::from(*value) / scale) as f32).collect()
+        };
+        let active: Vec<f32> =
+            frame.row_start.windows(2).map(|row| if row[0] < row[1] { 1.0 } else { 0.0 }).collect();
+        // Eq. (29).
+        let weight: Vec<f32> = frame
+            .wall_distance
+            .iter()
+            .zip(&active)
+            .map(|(distance, active)| match distance {
+                d if *d <= 3.0 => 3.0 * active,
+                d if *d <= 6.0 => 2.0 * active,
+                _ => *active,
+            })
+            .collect();
+        Self {
+            row_start: indices(&frame.row_start, device),
+            column: indices(&frame.column, device),
+            value: Tensor::from_slice(&frame.value).to(device),
+            active: column(&active, device),
+            weight: column(&weight, device),
+            residual: column(&scaled(&frame.residual), device),
+            target: column(&scaled(&frame.target), device),
+            scale,
+            count,
+        }
+    }
+
+    /// A x for x of n × c.
+    pub(crate) fn product(&self, x: &Tensor) -> Tensor {
+        /// Mode of `embedding_bag` that adds up.
+        const SUM: i64 = 0;
+        let (sums, _, _, _) = Tensor::embedding_bag(
+            x,
+            &self.column,
+            &self.row_start,
+            false,
+            SUM,
+            false,
+            Some(&self.value),
+            true,
+        );
+        x + sums
+    }
+}
+
+/// Values as a column, n × 1.
+pub(crate) fn column(values: &[f32], device: Device) -> Tensor {
+    Tensor::from_slice(values).unsqueeze(1).to(device)
+}
+
+/// Indices in the type that libtorch wants.
+pub(crate) fn indices(values: &[u32], device: Device) -> Tensor {
+    let values: Vec<i64> = values.iter().map(|value| i64::from(*value)).collect();
+    Tensor::from_slice(&values).to_device(device).to_kind(Kind::Int64)
+}

@@ -1,0 +1,145 @@
+//! The two networks behind one face, and their inference.
+
+use crate::device::Place;
+use crate::error::LearningError;
+use crate::graph::Graph;
+use crate::noise::uniform;
+use crate::optimizer::{Stored, load};
+use crate::paper::{self, Links};
+use crate::residual::{self, Levels};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use seakeep_fluid::frame::Frame;
+use seakeep_fluid::network::residual::INITIAL_GATES;
+use seakeep_fluid::network::{Network, decode};
+use serde::{Deserialize, Serialize};
+use tch::{Device, Tensor, no_grad};
+
+/// Which network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Model {
+    /// Ours: [`seakeep_fluid::network::residual`].
+    Residual,
+    /// The paper's: [`seakeep_fluid::network::paper`].
+    Paper,
+}
+
+/// A frame ready for a network.
+pub(crate) enum Prepared {
+    Residual(Levels),
+    Paper(Links),
+}
+
+impl Model {
+    /// Its name in weights files.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Residual => "residual",
+            Self::Paper => "paper",
+        }
+    }
+
+    fn tensors(self) -> &'static [(&'static str, &'static [usize])] {
+        match self {
+            Self::Residual => &seakeep_fluid::network::residual::TENSORS,
+            Self::Paper => &seakeep_fluid::network::paper::TENSORS,
+        }
+    }
+
+    /// Number of tensors at the front that are not learnt.
+    pub(crate) fn fixed(self) -> usize {
+        match self {
+            Self::Residual => 0,
+            Self::Paper => 1,
+        }
+    }
+
+    pub(crate) fn prepare(self, frame: &Frame, device: Device) -> Prepared {
+        match self {
+            Self::Residual => Prepared::Residual(Levels::new(frame, device)),
+            Self::Paper => Prepared::Paper(Links::new(frame, device)),
+        }
+    }
+
+    /// The tensors of a weights file, in order, and of which network they are.
+    pub(crate) fn read(bytes: &[u8]) -> Result<(Self, Vec<Stored>), LearningError> {
+        Network::from_bytes(bytes)?;
+        let (tensors, metadata) = decode(bytes)?;
+        let paper = metadata.get("network").is_some_and(|name| name == "paper");
+        let model = if paper { Self::Paper } else { Self::Residual };
+        let find = |name: &str| tensors.iter().find(|(own, _, _)| own == name).cloned();
+        Ok((model, model.tensors().iter().filter_map(|(name, _)| find(name)).collect()))
+    }
+
+    /// First weights. The residual network's leave all gates at [`INITIAL_GATES`].
+    pub(crate) fn first_weights(self, seed: u64) -> Vec<Stored> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(u64::MAX);
+        let tensor = |(name, shape): &(&str, &[usize])| {
+            let count: usize = shape.iter().product();
+            let inputs = shape.last().copied().unwrap_or(1) as f64;
+            let values = match *name {
+                "gates.bias" => INITIAL_GATES.to_vec(),
+                "gates.weight" => vec![0.0; count],
+                "input.scale" => seakeep_fluid::network::paper::INPUT_SCALE.to_vec(),
+                // Uniform with the variance of He et al. (2015) but for a factor.
+                _ => (0..count)
+                    .map(|_| ((2.0 * uniform(&mut random) - 1.0) * (3.0 / inputs).sqrt()) as f32)
+                    .collect(),
+            };
+            ((*name).to_owned(), shape.to_vec(), values)
+        };
+        self.tensors().iter().map(tensor).collect()
+    }
+}
+
+/// The change of the last pressure, n × 1, in units of `graph.scale`, that the paper's network finds.
+pub(crate) fn paper_change(
+    parameters: &[Tensor],
+    graph: &Graph,
+    links: &Links,
+    noise: Option<&Tensor>,
+) -> Tensor {
+    let found = paper::pressure(parameters, links, noise);
+    let change = (found - &links.last) * (links.unit / graph.scale);
+    let alone: Tensor = 1.0 - &graph.active;
+    change * &graph.active + alone * &graph.residual
+}
+
+/// A network on a device of libtorch.
+pub struct Inference {
+    model: Model,
+    parameters: Vec<Tensor>,
+    device: Device,
+}
+
+impl Inference {
+    /// The network in a weights file, on the device at `place`.
+    ///
+    /// # Errors
+    /// [`LearningError::Network`].
+    pub fn new(bytes: &[u8], place: Place) -> Result<Self, LearningError> {
+        let (model, tensors) = Model::read(bytes)?;
+        let parameters = tensors.iter().map(|stored| load(stored, place.0)).collect();
+        Ok(Self { model, parameters, device: place.0 })
+    }
+
+    /// The change of the last pressure that the network finds in `frame`, Pa, n.
+    #[must_use]
+    pub fn correction(&self, frame: &Frame) -> Vec<f32> {
+        no_grad(|| {
+            let graph = Graph::new(frame, self.device);
+            let found = match self.model.prepare(frame, self.device) {
+                Prepared::Residual(levels) => {
+                    residual::correction(&self.parameters, &graph, &levels, &graph.residual)
+                }
+                Prepared::Paper(links) => paper_change(&self.parameters, &graph, &links, None),
+            };
+            let found = (found * graph.scale).reshape([-1]).to_device(Device::Cpu);
+            let mut values = vec![0.0f32; frame.len()];
+            found.copy_data(&mut values, frame.len());
+            values
+        })
+    }
+}
