@@ -168,7 +168,12 @@ impl Fluid {
                 let (normal, length) = (self.walls.normal[w], self.walls.length[w] * wetted);
                 let point = self.walls.wetted_middle[w];
                 let hydrostatic = water.density * water.gravity * (water.depth - point.y);
-                let load = load_on_piece(normal, length, point, centre, dynamic + hydrostatic);
+                let mut pressure = dynamic + hydrostatic;
+                // Air gets behind a film that would pull at a wall.
+                if self.work.broken.is_at(point.x) {
+                    pressure = pressure.max(0.0);
+                }
+                let load = load_on_piece(normal, length, point, centre, pressure);
                 total.force += load.force;
                 total.torque += load.torque;
                 for (slot, &other) in self.free.iter().enumerate() {
