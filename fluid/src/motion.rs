@@ -3,7 +3,7 @@
 use crate::error::FluidError;
 use crate::fit;
 use crate::fluid::Fluid;
-use crate::geometry::{nearest_on_outline, placed_corners, signed_distance};
+use crate::geometry::{nearest_on_outline, placed_corners, signed_area, signed_distance};
 use crate::neighbours::BLOCK;
 use crate::operators;
 use crate::plan::Stage;
@@ -173,6 +173,10 @@ impl Fluid {
             let now = kinematics.drifted(h);
             polygon.clear();
             polygon.extend(placed_corners(&boundary.corners, now.position, now.angle));
+            // A container has the water inside.
+            if signed_area(&polygon) < 0.0 {
+                continue;
+            }
             let reach = boundary.corners.iter().map(|c| c.norm_squared()).fold(0.0, f64::max);
             for (x, u) in particles.position.iter_mut().zip(&mut particles.velocity) {
                 if (*x - now.position).norm_squared() >= reach

@@ -87,6 +87,21 @@ fn what_has_got_into_a_body_is_put_back_on_its_outline() {
     assert!(particles.position.iter().all(|x| signed_distance(&outline, *x) > -1e-12));
 }
 
+#[test]
+fn the_water_in_a_container_stays_where_it_is() {
+    let mut setup = fluid().setup().clone();
+    let tank = &mut setup.boundaries[0];
+    tank.corners.iter_mut().for_each(|corner| *corner *= 2.0);
+    tank.corners.reverse();
+    tank.free = false;
+    assert!(tank.holds_water());
+    let mut fluid = Fluid::new(setup).expect("a case that can be");
+    let before = fluid.state.particles.position.clone();
+    assert!(before.len() > 20);
+    fluid.keep_out(0.002);
+    assert_eq!(fluid.state.particles.position, before);
+}
+
 /// Few particles at `places` (spacings) before a wall along x = 0: what they make of 100 Pa on all
 /// of them at the middle of the wall's first piece, and the most of 1 Pa more or less on each, Pa.
 fn beside_a_wall(places: &[[f64; 2]]) -> (f64, f64) {
