@@ -1,7 +1,7 @@
 //! What a fluid is asked to be: geometry, water, numerics. Plain data, validated elsewhere.
 
 use crate::error::FluidError;
-use crate::geometry::{crosses_itself, placed, signed_area};
+use crate::geometry::{cross, crosses_itself, placed, signed_area};
 use crate::network::Network;
 pub use crate::pressure::solver::{PreconditionerKind, PressureSettings, SolverKind, Start};
 use nalgebra::{Point2, Vector2};
@@ -102,8 +102,9 @@ impl RigidBoundary {
     /// Whether it is a container.
     #[must_use]
     pub fn holds_water(&self) -> bool {
-        let corners: Vec<_> = self.corners.iter().map(|c| Point2::from(*c)).collect();
-        signed_area(&corners) < 0.0
+        // Every step asks: nothing is put aside for it.
+        let next = self.corners.iter().cycle().skip(1);
+        self.corners.iter().zip(next).map(|(a, b)| cross(*a, *b)).sum::<f64>() < 0.0
     }
 }
 
