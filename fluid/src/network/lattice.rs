@@ -280,14 +280,19 @@ fn add_row(
 }
 
 /// LU factors of a banded matrix in place, without pivoting; the diagonal becomes its inverse. A
-/// node without particles keeps an equation of its own.
+/// node that hardly any particle is near takes no part: its equation is next to nothing, and water
+/// that comes to it while the factors last would be answered with a pressure without bounds. That
+/// happens at a paddle.
 fn eliminate(rows: &mut [f64], n: usize, band: usize) {
-    /// Diagonal below which a node counts as without particles: the weight of one at its rim.
-    const EMPTY: f64 = 1e-6;
+    /// Diagonal, over the mean of all, below which a node takes no part.
+    const LEAST: f64 = 0.05;
     let width = 2 * band + 1;
+    let diagonals = || rows.chunks_exact(width).map(|row| row[band]).filter(|d| *d > 0.0);
+    let least = LEAST * diagonals().sum::<f64>() / diagonals().count().max(1) as f64;
+    let takes_part: Vec<bool> = rows.chunks_exact(width).map(|row| row[band] > least).collect();
     for i in 0..n {
         let diagonal = rows[i * width + band];
-        let inverse = if diagonal.abs() < EMPTY { 0.0 } else { 1.0 / diagonal };
+        let inverse = if takes_part[i] { 1.0 / diagonal } else { 0.0 };
         rows[i * width + band] = inverse;
         let (done, rest) = rows.split_at_mut((i + 1) * width);
         let pivot = &done[i * width + band + 1..];
