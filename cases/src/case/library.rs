@@ -54,6 +54,7 @@ pub fn library() -> &'static [LibraryCase] {
         "regular_wave",
         "solitary_wave",
         "focused_wave",
+        "irregular_sea",
         "buoyancy",
         "heave_decay",
         "roll_decay",
