@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 
 /// Distance between nodes in particle spacings.
 pub(crate) const SPACINGS: f64 = 4.0;
+/// Diagonal of a node's equation, over the mean of all, below which it takes no part.
+pub(crate) const LEAST_DIAGONAL: f64 = 0.05;
 /// Nodes around a cell that its particles' equations reach, in each direction.
 const REACH: usize = 4;
 /// Entries of the equations of a cell's four nodes.
@@ -284,11 +286,9 @@ fn add_row(
 /// that comes to it while the factors last would be answered with a pressure without bounds. That
 /// happens at a paddle.
 fn eliminate(rows: &mut [f64], n: usize, band: usize) {
-    /// Diagonal, over the mean of all, below which a node takes no part.
-    const LEAST: f64 = 0.05;
     let width = 2 * band + 1;
     let diagonals = || rows.chunks_exact(width).map(|row| row[band]).filter(|d| *d > 0.0);
-    let least = LEAST * diagonals().sum::<f64>() / diagonals().count().max(1) as f64;
+    let least = LEAST_DIAGONAL * diagonals().sum::<f64>() / diagonals().count().max(1) as f64;
     let takes_part: Vec<bool> = rows.chunks_exact(width).map(|row| row[band] > least).collect();
     for i in 0..n {
         let diagonal = rows[i * width + band];
