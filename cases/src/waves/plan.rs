@@ -252,11 +252,11 @@ impl WavePlan {
             }
             WaveForm::Stokes { height, period } => {
                 let wave = StokesWave::new(water, *height, *period)?;
-                PaddleMotion::second_order(water, board, &wave, ramp)?
+                PaddleMotion::regular(water, board, &wave, *period, 0.5 * height, ramp)?
             }
             WaveForm::StreamFunction { height, period, order } => {
                 let wave = stream_function(water, *height, *period, *order)?;
-                PaddleMotion::stream_function(board, &wave, ramp)?
+                PaddleMotion::regular(water, board, &wave, *period, 0.5 * height, ramp)?
             }
             WaveForm::Irregular { spectrum, components, seed } => {
                 let sea = irregular_sea(water, &spectrum.spectrum()?, *components, *seed)?;

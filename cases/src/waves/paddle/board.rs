@@ -57,7 +57,7 @@ impl Board {
     }
 
     /// Lowest point of the moving part, m.
-    fn foot(&self) -> f64 {
+    pub(super) fn foot(&self) -> f64 {
         match self {
             Self::Piston => 0.0,
             Self::Flap { hinge } => hinge.max(0.0),
@@ -97,7 +97,7 @@ impl Board {
     /// The evanescent modes of a small motion of angular frequency `frequency` (rad/s): decay rate
     /// k_j (1/m), k_j tan k_j D = −ω²/g, and amplitude over that of the stroke. Their elevation is
     /// in phase with the stroke: with X sin ωt it is Σ e_j X sin ωt exp(−k_j x).
-    fn evanescent_modes(
+    pub(super) fn evanescent_modes(
         &self,
         water: StillWater,
         frequency: f64,

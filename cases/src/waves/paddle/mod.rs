@@ -9,6 +9,7 @@ mod absorption;
 mod board;
 mod motion;
 mod projection;
+mod second_harmonic;
 mod stroke;
 mod wavemaker;
 

@@ -1,15 +1,15 @@
 //! How a paddle moves to make a wave.
 
 use super::projection::projected_stroke;
+use super::second_harmonic::against_evanescent_waves;
 use super::stroke::{Harmonic, Ramp, Stroke};
 use super::{Board, StrokeMotion};
 use crate::waves::linear::LinearWaves;
 use crate::waves::solitary::SolitaryWave;
 use crate::waves::spline::Spline;
-use crate::waves::stokes::StokesWave;
-use crate::waves::stream_function::StreamFunctionWave;
 use crate::waves::{StillWater, WaveError, WaveTheory, require};
 use seakeep_coupler::interface::BoundaryKinematics;
+use std::f64::consts::TAU;
 
 /// Steps over the passage of a solitary wave.
 const SOLITARY_STEPS: usize = 4000;
@@ -49,52 +49,25 @@ impl PaddleMotion {
         Self::new(water, board, ramp, Stroke::Harmonics(terms.collect()))
     }
 
-    /// For a second-order wave, by a piston: the linear stroke and Madsen's (1971) correction
-    /// H²/(32 D) (3 cosh kD / sinh³ kD − 2 S/H) sin 2ωt against a free second harmonic.
-    ///
-    /// # Errors
-    /// Also a flap, for which there is no such correction.
-    pub fn second_order(
-        water: StillWater,
-        board: Board,
-        wave: &StokesWave,
-        ramp: f64,
-    ) -> Result<Self, WaveError> {
-        if let Board::Flap { hinge } = board {
-            require(
-                false,
-                "height of the hinge (m)",
-                hinge,
-                "absent: second order needs a piston",
-            )?;
-        }
-        let (height, frequency) = (wave.height(), wave.frequency());
-        let number = water.wave_number(frequency);
-        let kd = number * water.depth;
-        let transfer = board.transfer(water, number);
-        let bound = 3.0 * kd.cosh() / kd.sinh().powi(3);
-        let correction = height * height / (32.0 * water.depth) * (bound - 2.0 / transfer);
-        let terms = vec![
-            Harmonic::new(board, water, 0.5 * height / transfer, frequency, 0.0),
-            Harmonic::new(board, water, correction, 2.0 * frequency, 0.0),
-        ];
-        Self::new(water, board, ramp, Stroke::Harmonics(terms))
-    }
-
-    /// For a stream-function wave: three harmonics of the stroke such that the velocity of the
-    /// board and that of the wave where the board is leave no free wave at these harmonics, but
-    /// for the part that evanescent waves have in them.
+    /// For a regular wave of second or higher order whose first harmonic has `amplitude` (m):
+    /// three harmonics of the stroke such that the velocity of the board and that of the wave
+    /// where the board is leave no free wave at these harmonics, and at the second none of the
+    /// evanescent waves either (Schäffer 1996).
     ///
     /// # Errors
     /// Also a stroke that cannot be found.
-    pub fn stream_function(
+    pub fn regular(
+        water: StillWater,
         board: Board,
-        wave: &StreamFunctionWave,
+        wave: &dyn WaveTheory,
+        period: f64,
+        amplitude: f64,
         ramp: f64,
     ) -> Result<Self, WaveError> {
-        let water = wave.water();
         board.validate(water)?;
-        let terms = projected_stroke(board, water, wave, wave.period())?;
+        let mut terms = projected_stroke(board, water, wave, period)?;
+        let correction = against_evanescent_waves(board, water, amplitude, TAU / period);
+        terms[1] = terms[1].plus(correction);
         Self::new(water, board, ramp, Stroke::Harmonics(terms))
     }
 
@@ -205,8 +178,8 @@ impl PaddleMotion {
 mod tests {
     use super::*;
     use crate::waves::solitary::SolitaryTheory;
-    use crate::waves::stream_function::{Current, Extent};
-    use std::f64::consts::TAU;
+    use crate::waves::stokes::StokesWave;
+    use crate::waves::stream_function::{Current, Extent, StreamFunctionWave};
 
     const WATER: StillWater = StillWater { depth: 0.4, gravity: 9.81 };
 
@@ -228,7 +201,7 @@ mod tests {
 
     #[test]
     fn strokes_of_section_3_of_the_reference() {
-        // S = 0.048397 m and Madsen's second harmonic −0.000112 m, independently calculated.
+        // S = 0.048397 m, independently calculated.
         let wave = LinearWaves::regular(WATER, 0.06, 1.2).unwrap();
         let motion = PaddleMotion::linear(WATER, Board::Piston, &wave, 2.4).unwrap();
         assert_smooth(&motion, 5.0);
@@ -237,14 +210,6 @@ mod tests {
         let (low, high) = motion.range(12.0);
         assert!((high - low - 0.048_397).abs() < 2e-6, "{}", high - low);
         assert_eq!(motion.stroke(0.0), StrokeMotion::default());
-
-        let stokes = StokesWave::new(WATER, 0.06, 1.2).unwrap();
-        let second = PaddleMotion::second_order(WATER, Board::Piston, &stokes, 0.0).unwrap();
-        let eighth = |motion: &PaddleMotion| motion.stroke(12.0 + 0.15).displacement;
-        let difference = eighth(&second) - eighth(&motion);
-        assert!((difference + 0.000_112).abs() < 1e-6, "{difference}");
-        let flap = Board::Flap { hinge: 0.0 };
-        assert!(PaddleMotion::second_order(WATER, flap, &stokes, 0.0).is_err());
     }
 
     #[test]
@@ -261,12 +226,16 @@ mod tests {
         StreamFunctionWave::new(WATER, height, extent, current, 16).unwrap()
     }
 
+    fn regular(board: Board, wave: &StreamFunctionWave, amplitude: f64, ramp: f64) -> PaddleMotion {
+        PaddleMotion::regular(WATER, board, wave, wave.period(), amplitude, ramp).unwrap()
+    }
+
     #[test]
-    fn stream_function_stroke_of_a_low_wave_is_the_linear_one() {
+    fn stroke_of_a_low_wave_is_the_linear_one() {
         for board in [Board::Piston, Board::Flap { hinge: 0.1 }, Board::Flap { hinge: -0.2 }] {
             let linear = LinearWaves::regular(WATER, 0.001, 1.2).unwrap();
             let linear = PaddleMotion::linear(WATER, board, &linear, 0.0).unwrap();
-            let found = PaddleMotion::stream_function(board, &stream(0.001, 1.2), 0.0).unwrap();
+            let found = regular(board, &stream(0.001, 1.2), 0.0005, 0.0);
             for time in [0.1, 0.4, 1.0] {
                 let ratio = found.stroke(time).velocity / linear.stroke(time).velocity;
                 assert!((ratio - 1.0).abs() < 0.01, "{board:?} {ratio}");
@@ -275,9 +244,14 @@ mod tests {
     }
 
     #[test]
-    fn stream_function_stroke_of_a_long_wave_has_madsens_second_harmonic() {
-        // Madsen's theory is for long waves: kD = 0.45.
+    fn stroke_of_a_long_wave_has_madsens_second_harmonic() {
+        // Madsen's (1971) theory is for long waves, here kD = 0.45:
+        // H²/(32 D) (3 cosh kD / sinh³ kD − 2 S/H) sin 2ωt.
         let (height, period) = (0.01, 2.9);
+        let number = WATER.wave_number(TAU / period);
+        let (kd, transfer) = (number * WATER.depth, Board::Piston.transfer(WATER, number));
+        let madsen = height * height / (32.0 * WATER.depth)
+            * (3.0 * kd.cosh() / kd.sinh().powi(3) - 2.0 / transfer);
         let second = |motion: &PaddleMotion| {
             let count = 256;
             (0..count)
@@ -287,13 +261,15 @@ mod tests {
                 * 2.0
                 / f64::from(count)
         };
+        let of = |ramp| regular(Board::Piston, &stream(height, period), 0.5 * height, ramp);
+        let found = of(0.0);
+        assert!((second(&found) / madsen - 1.0).abs() < 0.1, "{}", second(&found) / madsen);
         let stokes = StokesWave::new(WATER, height, period).unwrap();
-        let madsen = PaddleMotion::second_order(WATER, Board::Piston, &stokes, 0.0).unwrap();
-        let wave = stream(height, period);
-        let found = PaddleMotion::stream_function(Board::Piston, &wave, 0.0).unwrap();
-        let ratio = second(&found) / second(&madsen);
-        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
-        assert_smooth(&found, period);
+        let stokes =
+            PaddleMotion::regular(WATER, Board::Piston, &stokes, period, 0.5 * height, 0.0);
+        let stokes = second(&stokes.unwrap());
+        assert!((stokes / madsen - 1.0).abs() < 0.1, "{}", stokes / madsen);
+        assert_smooth(&of(0.5 * period), period);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! along cosh K_j y, K_j the linear wave number at j ω. So the stroke is the one for which
 //! ∫ (u − X f′ v − Ẋ f) cosh K_j y dy has no component at j ω, with the wave's velocity taken
 //! where the board is. To first order this is the linear transfer function; the quadratic terms
-//! of the board's displacement are in it, those with evanescent waves (Schäffer 1996) are not.
+//! of the board's displacement are in it; those with evanescent waves are [`super::second_harmonic`].
 
 use super::Board;
 use super::stroke::Harmonic;

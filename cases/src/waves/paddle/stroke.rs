@@ -3,6 +3,8 @@
 use super::Board;
 use crate::waves::spline::Spline;
 use crate::waves::{StillWater, WaveError};
+use nalgebra::Complex;
+use std::f64::consts::FRAC_PI_2;
 
 /// Displacement at the still-water level, and its rates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,6 +51,14 @@ impl Harmonic {
     ) -> Self {
         let near_field = board.near_field(water, frequency);
         Self { amplitude, frequency, phase, near_field }
+    }
+
+    /// With the motion Re{`amplitude` exp(−iωt)} added, m.
+    pub(super) fn plus(self, amplitude: Complex<f64>) -> Self {
+        // X sin(ωt + φ) = Re{X exp(i (π/2 − φ)) exp(−iωt)}.
+        let own = Complex::from_polar(self.amplitude, FRAC_PI_2 - self.phase);
+        let (size, angle) = (own + amplitude).to_polar();
+        Self { amplitude: size, phase: FRAC_PI_2 - angle, ..self }
     }
 
     fn at(&self, time: f64) -> StrokeMotion {
