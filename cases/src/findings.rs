@@ -3,8 +3,9 @@
 use crate::analysis::{decay, hydrostatics, wave};
 use crate::case::Case;
 use crate::geometry;
+use crate::initial_water::InitialWater;
 use crate::output::summary::Finding;
-use crate::scene::{Body, InitialWater, Scene};
+use crate::scene::{Body, Scene};
 use crate::simulation::{Sample, displacement};
 use crate::wave_findings::wave_findings;
 use nalgebra::DMatrix;

@@ -12,6 +12,7 @@ pub mod dataset;
 pub mod evaluate;
 mod findings;
 pub mod geometry;
+pub mod initial_water;
 pub mod instruments;
 pub mod job;
 pub mod mooring_job;

@@ -1,6 +1,7 @@
 //! A case in the terms of the components: what is simulated, measured and written.
 
 use crate::case::{BodyKeys, CaseKeys, EngineName, TableName};
+use crate::initial_water::{Displacement, InitialWater};
 use crate::instruments::{Gauge, Probe};
 use crate::wavemaker;
 use crate::waves::StillWater;
@@ -11,9 +12,8 @@ use seakeep_coupler::Coupling;
 use seakeep_coupler::interface::BoundaryKinematics;
 use seakeep_fluid::network::Network;
 use seakeep_fluid::setup::{
-    DampingZone, FluidSetup, InitialFlow, Numerics, PressureSettings, RigidBoundary, Tank, Water,
+    DampingZone, FluidSetup, Numerics, PressureSettings, RigidBoundary, Tank, Water,
 };
-use std::f64::consts::PI;
 
 /// What a run simulates and writes.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Scene {
     pub fluid: FluidSetup,
     /// The water at the start.
     pub initial_water: InitialWater,
+    /// How far the particles are off their lattice at the start.
+    pub displacement: Displacement,
     /// The wave, and what makes it.
     pub wave: Option<WavePlan>,
     /// The bodies, in the order of the fluid's boundaries. What else bounds the fluid follows
@@ -45,50 +47,6 @@ pub struct Scene {
     pub steps: u64,
     /// When what is written.
     pub output: OutputPlan,
-}
-
-/// The water at the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum InitialWater {
-    /// At rest under a flat surface.
-    Still,
-    /// A column at rest with a free face, as behind a dam that is taken away.
-    Column {
-        /// Width of the column from x = 0, m.
-        width: f64,
-    },
-    /// At rest under η = a cos(k x), k = π n / L: the start from rest that the standing-wave
-    /// solution of Wu & Taylor (1994) has to second order too.
-    StandingWave {
-        /// First-order amplitude a, m.
-        amplitude: f64,
-        /// Number n of half wavelengths in the tank.
-        half_waves: u32,
-        /// Length L of the tank, m.
-        tank_length: f64,
-    },
-}
-
-impl InitialFlow for InitialWater {
-    fn elevation(&self, x: f64) -> f64 {
-        match *self {
-            Self::Still | Self::Column { .. } => 0.0,
-            Self::StandingWave { amplitude, half_waves, tank_length } => {
-                amplitude * (PI * f64::from(half_waves) / tank_length * x).cos()
-            }
-        }
-    }
-
-    fn velocity(&self, _point: Point2<f64>) -> Vector2<f64> {
-        Vector2::zeros()
-    }
-
-    fn reach(&self) -> Option<f64> {
-        match *self {
-            Self::Column { width } => Some(width),
-            _ => None,
-        }
-    }
 }
 
 /// A rigid body: what its boundary does not say.
@@ -256,6 +214,10 @@ impl Scene {
         Self {
             fluid,
             initial_water,
+            displacement: Displacement {
+                largest: keys.numerics.displacement * keys.numerics.particle_spacing_m,
+                seed: keys.numerics.seed,
+            },
             wave,
             substeps: substeps(&bodies, &lines, time_step),
             bodies,

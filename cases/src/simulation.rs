@@ -13,6 +13,7 @@ use seakeep_body::{
 use seakeep_coupler::interface::{BoundaryKinematics, Load, LoadComponent, MotionComponent};
 use seakeep_coupler::{CouplerError, FixedStepMaster};
 use seakeep_fluid::frame::Frame;
+use seakeep_fluid::setup::InitialFlow;
 use seakeep_fluid::trial::{Outcome, Trial};
 use seakeep_fluid::{Fluid, FluidError, ParticleCounts, Plan};
 use std::time::Duration;
@@ -87,10 +88,11 @@ impl Simulation {
         let water = scene.still_water();
         let plan = scene.wave.as_ref();
         let wave = plan.map(|plan| plan.initial_flow(water)).transpose()?.flatten();
-        let mut fluid = match &wave {
-            Some(wave) => Fluid::flowing(scene.fluid.clone(), wave)?,
-            None => Fluid::flowing(scene.fluid.clone(), &scene.initial_water)?,
+        let flow: &dyn InitialFlow = match &wave {
+            Some(wave) => wave,
+            None => &scene.initial_water,
         };
+        let mut fluid = Fluid::flowing(scene.fluid.clone(), &scene.displacement.of(flow))?;
         let mut bodies = match scene.fluid.boundaries.as_slice() {
             [] => None,
             _ => Some(rigid_bodies(scene)?),

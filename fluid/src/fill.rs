@@ -38,11 +38,13 @@ pub(crate) fn fill(
     let mut on_surface = Vec::with_capacity(columns * rows);
     let mut cut = false;
     for column in 0..columns {
-        let x = (column as f64 + 0.5) * width;
-        let surface = setup.water.depth + flow.elevation(x);
-        let height = surface / (rows as f64 - 0.5);
         for row in (0..rows).rev() {
-            let point = Point2::new(x, surface - row as f64 * height);
+            let off = flow.displacement((column * rows + row) as u64);
+            let x = (column as f64 + 0.5) * width + off.x;
+            let surface = setup.water.depth + flow.elevation(x);
+            let height = surface / (rows as f64 - 0.5);
+            let below = if row == 0 { 0.0 } else { row as f64 * height - off.y };
+            let point = Point2::new(x, surface - below);
             if polygons.iter().all(|p| signed_distance(p, point) >= CLEARANCE * dx) {
                 position.push(point);
                 on_surface.push(row == 0 || (reach.is_some() && column + 1 == columns));

@@ -65,6 +65,12 @@ pub trait InitialFlow {
     fn reach(&self) -> Option<f64> {
         None
     }
+
+    /// How far the particle of the lattice's `place` is off it, m: less than half a spacing, and
+    /// on the surface along it.
+    fn displacement(&self, _place: u64) -> Vector2<f64> {
+        Vector2::zeros()
+    }
 }
 
 /// Water at rest under a flat surface.

@@ -135,6 +135,7 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
         check.number("numerics.time_step_s", step, Allowed::above(0.0, limit));
     }
     check.number("numerics.density_blend", numerics.density_blend, Allowed::from(0.0, 1.0));
+    check.number("numerics.displacement", numerics.displacement, Allowed::from(0.0, 0.25));
     let allowed = Allowed::from(1e-14, 0.1);
     check.number("pressure.tolerance", keys.pressure.tolerance, allowed);
     let divergence = keys.pressure.divergence_tolerance;

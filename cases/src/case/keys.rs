@@ -136,6 +136,12 @@ pub struct NumericsKeys {
     /// Blending coefficient α of Eq. (9b).
     #[serde(default = "default_density_blend")]
     pub density_blend: f64,
+    /// Largest displacement of the particles off their lattice at the start, in spacings.
+    #[serde(default)]
+    pub displacement: f64,
+    /// Seed of the displacements.
+    #[serde(default)]
+    pub seed: u64,
 }
 
 /// `[pressure]`

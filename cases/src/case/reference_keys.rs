@@ -39,6 +39,12 @@ pub struct ReferenceKeys {
     /// What is compared of a series.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measure: Option<MeasureName>,
+    /// Time over which the series and its reference are averaged first, s; without it they are not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub average_s: Option<f64>,
+    /// Value from which on `measure = "arrival"` counts, in the units of the table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level: Option<f64>,
     /// Period of the harmonic of `measure = "amplitude"`, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period_s: Option<f64>,
@@ -89,6 +95,8 @@ pub enum MeasureName {
     Mean,
     /// Its largest value.
     Largest,
+    /// The time when it first reaches a level.
+    Arrival,
 }
 
 fn one() -> f64 {

@@ -86,6 +86,8 @@ pub(super) fn check(check: &mut Checker<'_>, keys: &CaseKeys) {
         let key = |name: &str| format!("reference[{index}].{name}");
         for (name, value, allowed) in [
             ("period_s", reference.period_s, POSITIVE),
+            ("average_s", reference.average_s, POSITIVE),
+            ("level", reference.level, FINITE),
             ("from_s", reference.from_s, NOT_NEGATIVE),
             ("until_s", reference.until_s, Allowed::above(reference.from_s.unwrap_or(0.0), 1e12)),
             ("value", reference.value, FINITE),
@@ -144,10 +146,14 @@ fn check_series(
     check
         .require(written, &key("table"), || format!("{} is not among output.tables", table.name()));
     let (value, times) = (reference.value.is_some(), reference.times_s.as_deref());
-    let amplitude = measure == MeasureName::Amplitude;
-    check.require(reference.period_s.is_some() == amplitude, &key("period_s"), || {
-        "goes with measure = \"amplitude\", and only with it".to_owned()
-    });
+    for (name, given, with, only) in [
+        ("period_s", reference.period_s.is_some(), "amplitude", MeasureName::Amplitude),
+        ("level", reference.level.is_some(), "arrival", MeasureName::Arrival),
+    ] {
+        check.require(given == (measure == only), &key(name), || {
+            format!("goes with measure = \"{with}\", and only with it")
+        });
+    }
     match measure {
         MeasureName::Series => {
             let rising = times.is_some_and(|t| t.len() > 1 && t.windows(2).all(|w| w[0] < w[1]));

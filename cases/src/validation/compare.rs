@@ -20,24 +20,29 @@ pub type Comparison = Vec<(ReferenceKeys, Found)>;
 /// When the results cannot be read. A figure that the run does not have is no error: what was
 /// found says so.
 pub fn compare(case: &Case, results: &Results) -> Result<Comparison, ResultsError> {
-    let mut runs = Vec::new();
-    for reference in &case.keys.reference {
-        runs.push(match (reference.table, &reference.column) {
+    let (mut references, mut runs) = (case.keys.reference.clone(), Vec::new());
+    for reference in &mut references {
+        let mut run = match (reference.table, &reference.column) {
             (Some(table), Some(column)) => {
                 results.series(table, reference.of.as_deref(), column)?
             }
             _ => Series::default(),
-        });
+        };
+        if let Some(width) = reference.average_s {
+            run.1 = moving_mean(&run.0, &run.1, width);
+            if let (Some(times), Some(values)) = (&reference.times_s, &mut reference.values) {
+                *values = moving_mean(times, values, width);
+            }
+        }
+        runs.push(run);
     }
-    let with_series: Vec<(&ReferenceKeys, &Series)> = case
-        .keys
-        .reference
+    let with_series: Vec<(&ReferenceKeys, &Series)> = references
         .iter()
         .zip(&runs)
         .filter(|(reference, _)| reference.measure == Some(MeasureName::Series))
         .collect();
     let shift = case.keys.comparison.time_shift_s.map(|range| best_shift(range, &with_series));
-    let found = case.keys.reference.iter().zip(&runs).map(|(reference, run)| {
+    let found = references.iter().zip(&runs).map(|(reference, run)| {
         let found = match (&reference.finding, reference.measure) {
             (Some(finding), _) => by_finding(reference, results.finding(finding)),
             (None, Some(MeasureName::Series)) => by_series(reference, run, shift),
@@ -75,11 +80,11 @@ fn by_finding(reference: &ReferenceKeys, finding: Option<(f64, Option<f64>)>) ->
     Found { value: Some(value), reference: target, error, ..nothing("") }.complete()
 }
 
-/// The part of a run that is compared.
-fn window(reference: &ReferenceKeys, run: &Series) -> Series {
+/// The part of a series that is compared.
+fn window(reference: &ReferenceKeys, (times, values): &Series) -> Series {
     let (from, until) =
         (reference.from_s.unwrap_or(f64::NEG_INFINITY), reference.until_s.unwrap_or(f64::INFINITY));
-    let pairs = run.0.iter().copied().zip(run.1.iter().copied());
+    let pairs = times.iter().copied().zip(values.iter().copied());
     pairs.filter(|(time, _)| *time >= from - 1e-9 && *time <= until + 1e-9).unzip()
 }
 
@@ -92,23 +97,31 @@ fn by_figure(reference: &ReferenceKeys, run: &Series, measure: Option<MeasureNam
     let figure = |times: &[f64], values: &[f64]| match measure {
         Some(MeasureName::Amplitude) => amplitude(times, values, reference.period_s?),
         Some(MeasureName::Mean) => Some(values.iter().sum::<f64>() / values.len() as f64),
+        Some(MeasureName::Arrival) => arrival(times, values, reference.level?),
         _ => values.iter().copied().reduce(f64::max),
     };
+    let theirs = series_of(reference).map(|series| window(reference, &series));
     let Some(value) = figure(&times, &values) else { return nothing("the run has no such figure") };
-    let target = match (reference.value, series_of(reference)) {
+    let target = match (reference.value, &theirs) {
         (Some(value), _) => Some(value * reference.scale),
-        (None, Some((times, values))) => figure(&times, &values),
+        (None, Some((times, values))) => figure(times, values),
         (None, None) => None,
     };
     let Some(target) = target else { return nothing("the reference has no such figure") };
     let ours = times.iter().copied().zip(values.iter().copied()).collect();
     let mut curves = vec![Curve::line("seakeep", ours)];
+    if let Some((times, values)) = theirs {
+        curves.push(Curve::dots("reference", times.into_iter().zip(values).collect()));
+    }
     // The figure that it should be, as a level; of an oscillation, about its mean.
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let about = if measure == Some(MeasureName::Amplitude) { mean } else { 0.0 };
+    let level = match measure {
+        Some(MeasureName::Amplitude) => mean + target,
+        Some(MeasureName::Arrival) => reference.level.unwrap_or_default(),
+        _ => target,
+    };
     if let (Some(start), Some(end)) = (times.first(), times.last()) {
-        let level = about + target;
-        curves.push(Curve::line("reference", vec![(*start, level), (*end, level)]));
+        curves.push(Curve::line("level of the reference", vec![(*start, level), (*end, level)]));
     }
     Found {
         value: Some(value),
@@ -118,6 +131,32 @@ fn by_figure(reference: &ReferenceKeys, run: &Series, measure: Option<MeasureNam
         ..nothing("")
     }
     .complete()
+}
+
+/// The mean over `width` (s) around each sample, by the trapezoidal rule; less at the ends.
+fn moving_mean(times: &[f64], values: &[f64], width: f64) -> Vec<f64> {
+    let mut integral = vec![0.0; values.len()];
+    for i in 1..values.len() {
+        let area = 0.5 * (values[i] + values[i - 1]) * (times[i] - times[i - 1]);
+        integral[i] = integral[i - 1] + area;
+    }
+    let mean = |(time, value): (&f64, &f64)| {
+        let first = times.partition_point(|t| *t < time - 0.5 * width - 1e-9);
+        let last = times.partition_point(|t| *t <= time + 0.5 * width + 1e-9) - 1;
+        match times[last] - times[first] {
+            span if span > 0.0 => (integral[last] - integral[first]) / span,
+            _ => *value,
+        }
+    };
+    times.iter().zip(values).map(mean).collect()
+}
+
+/// When the values first reach `level`, linearly between the samples.
+fn arrival(times: &[f64], values: &[f64], level: f64) -> Option<f64> {
+    let first = values.iter().position(|value| *value >= level)?;
+    let Some(before) = first.checked_sub(1) else { return times.first().copied() };
+    let part = (level - values[before]) / (values[first] - values[before]);
+    Some(times[before] + part * (times[first] - times[before]))
 }
 
 /// Amplitude of the first harmonic, two more and a trend beside it: a drifting body has one.

@@ -29,6 +29,7 @@ pub(super) fn measure(reference: &ReferenceKeys) -> &'static str {
         (None, Some(MeasureName::Amplitude)) => "amplitude",
         (None, Some(MeasureName::Mean)) => "mean",
         (None, Some(MeasureName::Largest)) => "largest",
+        (None, Some(MeasureName::Arrival)) => "arrival, s",
         (None, None) => "",
     }
 }
