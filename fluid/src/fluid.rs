@@ -17,7 +17,7 @@ use crate::particles::Particles;
 use crate::plan::{Plan, Stage};
 use crate::pressure;
 use crate::pressure::solver::{PressureMemory, PressureReport, PressureSolver};
-use crate::setup::{Discretisation, FluidSetup, InitialFlow, Integrator, StillWater};
+use crate::setup::{FluidSetup, InitialFlow, StillWater};
 use crate::state::{Phase, State, Work};
 use crate::trial::{Outcome, Trial};
 use crate::variables::describe;
@@ -26,18 +26,6 @@ use nalgebra::Point2;
 use rayon::prelude::*;
 use seakeep_coupler::interface::{BoundaryKinematics, Description, Load, LoadResponse};
 use std::time::{Duration, Instant};
-
-/// Part θ of the drift after which a step of the midpoint integrator is assembled. A wave loses the
-/// part (2 θ − 1) π ω dt of its energy a period: all of it with the paper's 1, none with 1/2. As in
-/// off-centred implicit schemes, a little more than a half makes up for the energy that the
-/// operators add: without it, the standing wave gains 0.07 % a period at D/dx = 20 with quadratic
-/// fits, and 0.32 % with conventional operators.
-pub(crate) const fn assembly_point(discretisation: Discretisation) -> f64 {
-    match discretisation {
-        Discretisation::Quadratic => 0.52,
-        Discretisation::Conventional => 0.55,
-    }
-}
 
 /// Steps between two resamplings of the surface, with new numbers: a whole number of times as long
 /// as the factors of the preconditioner last.
@@ -261,20 +249,17 @@ impl Fluid {
     /// Positions of particles and walls where the step is assembled, and their neighbours.
     pub(crate) fn neighbours(&mut self, h: f64) {
         let radius = fit::RADIUS * self.setup.numerics.particle_spacing;
-        let point = match self.setup.numerics.integrator {
-            Integrator::Midpoint => assembly_point(self.setup.numerics.discretisation),
-            Integrator::Paper => 1.0,
-        };
+        let drift = self.setup.assembly_time(h);
         let (work, particles) = (&mut self.work, &self.state.particles);
         work.position
             .par_chunks_mut(BLOCK)
             .zip(particles.position.par_chunks(BLOCK).zip(particles.velocity.par_chunks(BLOCK)))
             .for_each(|(middle, (position, velocity))| {
                 for ((middle, x), u) in middle.iter_mut().zip(position).zip(velocity) {
-                    *middle = x + u * (point * h);
+                    *middle = x + u * drift;
                 }
             });
-        self.walls.place(&self.state.kinematics, point * h);
+        self.walls.place(&self.state.kinematics, drift);
         work.grid.sort(&work.position);
         work.wall_grid.sort(&self.walls.position);
         let (fluid, walls) = (&work.position, &self.walls.position);

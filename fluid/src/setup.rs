@@ -174,6 +174,25 @@ impl FluidSetup {
         -corners.map(|corner| corner.x).fold(0.0, f64::min)
     }
 
+    /// How long after its start a step of `h` (s) is assembled, s: a whole step for the paper's
+    /// integrator; for the midpoint, half a step and a little more. A wave loses the part 2 π ω τ of
+    /// its energy a period by a time τ beyond the half, as in off-centred implicit schemes. That
+    /// makes up for the energy that the operators feed in, more of it the coarser they are whatever
+    /// the step: 0.07 % a period with quadratic fits at D/dx = 20 for a low standing wave, 0.3 % for
+    /// one of k a = 0.13 after some tens of periods and with conventional operators.
+    pub(crate) fn assembly_time(&self, h: f64) -> f64 {
+        let beyond = match self.numerics.discretisation {
+            Discretisation::Quadratic => 0.008,
+            Discretisation::Conventional => 0.011,
+        };
+        let passage =
+            self.numerics.particle_spacing / (self.water.gravity * self.water.depth).sqrt();
+        match self.numerics.integrator {
+            Integrator::Midpoint => (0.5 * h + beyond * passage).min(h),
+            Integrator::Paper => h,
+        }
+    }
+
     /// Checks what the fluid itself depends on.
     pub(crate) fn validate(&self) -> Result<(), FluidError> {
         let positive = "a finite number above 0";
