@@ -3,7 +3,6 @@
 use crate::fit;
 use crate::fluid::Fluid;
 use crate::geometry::{area_below, placed, placed_corners, signed_distance};
-use crate::neighbours::CellGrid;
 use crate::operators;
 use crate::setup::RigidBoundary;
 use nalgebra::{Point2, Vector2};
@@ -198,32 +197,55 @@ impl Fluid {
         let dx = self.setup.numerics.particle_spacing;
         let (low, high) = (-self.setup.behind(), self.setup.tank.length);
         let top = particles.position.iter().map(|x| x.y).fold(0.0, f64::max).min(1e3 * dx);
-        let mut grid = CellGrid::new(Point2::new(low, 0.0), Point2::new(high, top), 1.5 * dx);
-        grid.sort(&particles.position);
-        let polygons: Vec<_> = (0..self.setup.boundaries.len()).map(|b| self.polygon(b)).collect();
-        let count = |length: f64| (length / dx * SAMPLES_A_SPACING).ceil().max(1.0);
+        let count = |length: f64| (length / dx * SAMPLES_A_SPACING).ceil().max(1.0) as usize;
         let columns = count(high - low);
-        let width = (high - low) / columns;
-        let column_integrals = |column: usize| {
-            let x = low + (column as f64 + 0.5) * width;
-            let surface = height_of(line, x).unwrap_or(top);
-            let rows = count(surface);
-            let height = surface / rows;
-            let mut sum = Integrals::default();
-            for row in 0..rows as usize {
-                let sample = Point2::new(x, (row as f64 + 0.5) * height);
-                let mut nearest = (dx * dx, usize::MAX);
-                grid.candidates(&sample, |i| {
-                    let distance = (particles.position[i] - sample).norm_squared();
-                    if distance < nearest.0 {
-                        nearest = (distance, i);
+        let width = (high - low) / columns as f64;
+        let centre = |column: usize| low + (column as f64 + 0.5) * width;
+        // Samples in each column and the height that each stands for.
+        let column = |column: usize| {
+            let surface = height_of(line, centre(column)).unwrap_or(top);
+            (count(surface), surface / count(surface) as f64)
+        };
+        let heights: Vec<(usize, f64)> = (0..columns).map(column).collect();
+        let most = heights.iter().map(|(rows, _)| *rows).max().unwrap_or(1);
+
+        // Each particle looks for the samples around, of which there are fewer than of particles
+        // around each sample.
+        let mut nearest = vec![(dx * dx, u32::MAX); columns * most];
+        for (i, x) in (0..).zip(&particles.position) {
+            let first = ((x.x - dx - low) / width - 0.5).ceil().max(0.0) as usize;
+            let last = ((x.x + dx - low) / width + 0.5).floor().clamp(0.0, columns as f64) as usize;
+            for column in first..last {
+                let across = (centre(column) - x.x).powi(2);
+                let (rows, height) = heights[column];
+                let low = ((x.y - dx) / height - 0.5).ceil().max(0.0) as usize;
+                let high = ((x.y + dx) / height + 0.5).floor().clamp(0.0, rows as f64) as usize;
+                for row in low..high {
+                    let distance = across + ((row as f64 + 0.5) * height - x.y).powi(2);
+                    let known = &mut nearest[column * most + row];
+                    if distance < known.0 {
+                        *known = (distance, i);
                     }
-                });
-                let i = nearest.1;
+                }
+            }
+        }
+
+        let polygons: Vec<_> = (0..self.setup.boundaries.len()).map(|b| self.polygon(b)).collect();
+        let displaced = |sample: Point2<f64>| {
+            polygons.iter().any(|polygon| signed_distance(polygon, sample) < 0.0)
+        };
+        let column_integrals = |column: usize| {
+            let (rows, height) = heights[column];
+            let mut sum = Integrals::default();
+            for row in 0..rows {
+                let sample = Point2::new(centre(column), (row as f64 + 0.5) * height);
+                let i = nearest[column * most + row].1 as usize;
                 let Some(position) = particles.position.get(i) else { continue };
                 let d = sample - position;
-                if (line.is_empty() && particles.on_surface[i] && d.dot(&self.work.normal[i]) > 0.0)
-                    || polygons.iter().any(|polygon| signed_distance(polygon, sample) < 0.0)
+                let above = line.is_empty() && particles.on_surface[i];
+                if (above && d.dot(&self.work.normal[i]) > 0.0)
+                    // Water away from boundaries need not be looked at.
+                    || (!self.work.wall_lists.of(i).is_empty() && displaced(sample))
                 {
                     continue;
                 }
@@ -234,7 +256,7 @@ impl Fluid {
             }
             sum
         };
-        let mut parts = vec![Integrals::default(); columns as usize];
+        let mut parts = vec![Integrals::default(); columns];
         parts.par_iter_mut().enumerate().for_each(|(column, e)| *e = column_integrals(column));
         let mut total = Integrals::default();
         for part in &parts {

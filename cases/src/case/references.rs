@@ -69,9 +69,22 @@ fn read_series(reference: &mut ReferenceKeys, folder: &Path) -> Result<(), Strin
         times.push(time?);
         values.push(value?);
     }
+    let (times, values) = compared(reference, times, values);
     reference.times_s = Some(times);
     reference.values = Some(values);
     Ok(())
+}
+
+/// The part of a series that a figure is taken from, and what it is averaged over; all of a series
+/// that is compared as such, whose times may be shifted.
+fn compared(reference: &ReferenceKeys, times: Vec<f64>, values: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+    if reference.measure == Some(MeasureName::Series) {
+        return (times, values);
+    }
+    let margin = reference.average_s.unwrap_or(0.0);
+    let from = reference.from_s.map_or(f64::NEG_INFINITY, |from| from - margin);
+    let until = reference.until_s.map_or(f64::INFINITY, |until| until + margin);
+    times.into_iter().zip(values).filter(|(time, _)| *time >= from && *time <= until).unzip()
 }
 
 /// Everything about the references that cannot be.
