@@ -251,6 +251,13 @@ pub(crate) struct EvaluateArguments {
     /// Override a key of these cases; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
+    /// A data set, on whose test frames libtorch runs the network beside the program's own
+    /// inference; needs a build with the feature torch
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Where libtorch runs it: cpu or cuda
+    #[arg(long, value_name = "NAME", default_value = "cpu", requires = "data")]
+    pub(crate) device: String,
     /// Folder for tables and plots
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,

@@ -115,8 +115,11 @@ pub(crate) fn train(arguments: &TrainArguments) -> Result<(), Stop> {
 /// Measures a network.
 pub(crate) fn evaluate(arguments: &EvaluateArguments) -> Result<(), Stop> {
     network(Some(&arguments.model)).map_err(refused)?;
-    if arguments.campaign.is_none() && arguments.rollout.is_empty() {
-        return Err(refused("evaluate: name a --campaign or a case for a --rollout"));
+    if arguments.campaign.is_none() && arguments.rollout.is_empty() && arguments.data.is_none() {
+        return Err(refused("evaluate: name a --campaign, a case for a --rollout or --data"));
+    }
+    if let Some(data) = &arguments.data {
+        on_device(arguments, data)?;
     }
     let campaign =
         arguments.campaign.as_deref().map(Campaign::load).transpose().map_err(refused)?;
@@ -177,6 +180,37 @@ pub(crate) fn evaluate(arguments: &EvaluateArguments) -> Result<(), Stop> {
         evaluate::write_rollouts(out, &rows).map_err(stop)?;
     }
     Ok(())
+}
+
+/// The network on a device beside the program's own inference.
+#[cfg(feature = "torch")]
+fn on_device(arguments: &EvaluateArguments, data: &std::path::Path) -> Result<(), Stop> {
+    let threads = threads(arguments.threads);
+    let row =
+        evaluate::on_device(&arguments.model, data, &arguments.device, threads).map_err(refused)?;
+    say(&format!(
+        "libtorch, {}: {} frames, {} particles, largest difference to the program's own inference \
+         {:.1e} of the largest correction, skill {:.5}\nms for a thousand particles: own {:.4}, libtorch \
+         {:.4}, and {:.4} until a frame is there\n",
+        arguments.device,
+        row.frames,
+        row.particles,
+        row.difference,
+        row.skill,
+        row.own_ms,
+        row.device_ms,
+        row.transfer_ms,
+    ));
+    Ok(())
+}
+
+/// libtorch is not part of this build.
+#[cfg(not(feature = "torch"))]
+fn on_device(arguments: &EvaluateArguments, _data: &std::path::Path) -> Result<(), Stop> {
+    Err(refused(format!(
+        "evaluate --device {}: this program was built without the feature torch",
+        arguments.device
+    )))
 }
 
 /// Hours, minutes and seconds.

@@ -77,7 +77,7 @@ fn agree(directory: &TempDir, weights: &[u8]) {
     let dataset = Dataset::open(&directory.path().join("data")).unwrap();
     for path in dataset.files(Split::Test) {
         let frame = Dataset::frame(&path).unwrap();
-        let (own, other) = (own.correction(&frame), other.correction(&frame));
+        let (own, other) = (own.correction(&frame), other.correction(&other.inputs(&frame)));
         let size = other.iter().fold(0.0f32, |most, value| most.max(value.abs()));
         assert!(size > 0.0);
         for (own, other) in own.iter().zip(&other) {

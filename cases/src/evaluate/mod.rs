@@ -1,10 +1,14 @@
 //! How good a network is, beside other ways to find the pressure: on single steps of cases it has
 //! not learnt from, by wavelength, and over whole runs.
 
+#[cfg(feature = "torch")]
+mod device;
 mod rollout;
 mod single;
 mod write;
 
+#[cfg(feature = "torch")]
+pub use device::{DeviceError, DeviceRow, on_device};
 pub use rollout::{RolloutRow, rollout};
 pub use single::{FactorRow, SkillRow, single_steps};
 pub use write::{write_factors, write_rollouts, write_skills};

@@ -125,21 +125,37 @@ impl Inference {
         Ok(Self { model, parameters, device: place.0 })
     }
 
-    /// The change of the last pressure that the network finds in `frame`, Pa, n.
+    /// `frame`, ready on the device.
     #[must_use]
-    pub fn correction(&self, frame: &Frame) -> Vec<f32> {
+    pub fn inputs(&self, frame: &Frame) -> Inputs {
+        no_grad(|| Inputs {
+            graph: Graph::new(frame, self.device),
+            prepared: self.model.prepare(frame, self.device),
+        })
+    }
+
+    /// The change of the last pressure that the network finds for `inputs`, Pa, one for each
+    /// particle.
+    #[must_use]
+    pub fn correction(&self, inputs: &Inputs) -> Vec<f32> {
         no_grad(|| {
-            let graph = Graph::new(frame, self.device);
-            let found = match self.model.prepare(frame, self.device) {
+            let graph = &inputs.graph;
+            let found = match &inputs.prepared {
                 Prepared::Residual(levels) => {
-                    residual::correction(&self.parameters, &graph, &levels, &graph.residual)
+                    residual::correction(&self.parameters, graph, levels, &graph.residual)
                 }
-                Prepared::Paper(links) => paper_change(&self.parameters, &graph, &links, None),
+                Prepared::Paper(links) => paper_change(&self.parameters, graph, links, None),
             };
             let found = (found * graph.scale).reshape([-1]).to_device(Device::Cpu);
-            let mut values = vec![0.0f32; frame.len()];
-            found.copy_data(&mut values, frame.len());
+            let mut values = vec![0.0f32; found.numel()];
+            found.copy_data(&mut values, found.numel());
             values
         })
     }
+}
+
+/// A frame on a device.
+pub struct Inputs {
+    graph: Graph,
+    prepared: Prepared,
 }
