@@ -65,6 +65,18 @@ pub(crate) struct CaseArguments {
     pub(crate) set: Vec<String>,
 }
 
+/// Where the results go.
+#[derive(Debug, Default, Args)]
+pub(crate) struct OutArguments {
+    /// Directory for the results; without it one in results/ with the name of the case, numbered if
+    /// that is taken
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write into the directory named by --out even if it is not empty
+    #[arg(long, requires = "out")]
+    pub(crate) force: bool,
+}
+
 /// For which motion.
 #[derive(Debug, Args)]
 pub(crate) struct MooringArguments {
@@ -74,12 +86,8 @@ pub(crate) struct MooringArguments {
     /// moored: such as the motion.csv of a run
     #[arg(long, value_name = "FILE")]
     pub(crate) motion: PathBuf,
-    /// Directory for the results; without it results/CASE, numbered if that is taken
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Write into the directory named by --out even if it is not empty
-    #[arg(long, requires = "out")]
-    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) into: OutArguments,
     /// Print nothing but errors
     #[arg(long)]
     pub(crate) quiet: bool,
@@ -93,12 +101,8 @@ pub(crate) struct RunArguments {
     /// What finds the pressure, in place of the case's pressure.solver: ppe, network or guarded
     #[arg(long, value_name = "SOLVER")]
     pub(crate) pressure: Option<String>,
-    /// Directory for the results; without it results/CASE, numbered if that is taken
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Write into the directory named by --out even if it is not empty
-    #[arg(long, requires = "out")]
-    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) into: OutArguments,
     /// Threads to use; without it as many as there are processors. Results do not depend on it
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,
@@ -115,12 +119,8 @@ pub(crate) struct WaveArguments {
     /// Time of the profile along the tank, s; without it the end of the run
     #[arg(long, value_name = "SECONDS")]
     pub(crate) at: Option<f64>,
-    /// Directory for the tables; without it results/CASE-wave, numbered if that is taken
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Write into the directory named by --out even if it is not empty
-    #[arg(long, requires = "out")]
-    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) into: OutArguments,
 }
 
 /// Which settings, and what is compared.
@@ -135,12 +135,8 @@ pub(crate) struct BenchArguments {
     /// The error of the plot, by its name in the table; without it the first
     #[arg(long, value_name = "NAME")]
     pub(crate) error: Option<String>,
-    /// Directory for the results; without it results/CASE-bench, numbered if that is taken
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Write into the directory named by --out even if it is not empty
-    #[arg(long, requires = "out")]
-    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) into: OutArguments,
     /// Threads to use; without it as many as there are processors
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,
@@ -164,12 +160,8 @@ pub(crate) struct ValidateArguments {
     /// Run nothing: compare the results in this directory; may be repeated, one for each case
     #[arg(long, value_name = "DIR", requires = "cases", conflicts_with_all = ["full", "pressure", "set"])]
     pub(crate) results: Vec<PathBuf>,
-    /// Directory for the results; without it results/validation, numbered if that is taken
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Write into the directory named by --out even if it is not empty
-    #[arg(long, requires = "out")]
-    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) into: OutArguments,
     /// Threads to use; without it as many as there are processors
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,
@@ -271,8 +263,7 @@ pub(crate) fn main_job() -> Command {
     Command::Run(RunArguments {
         case: CaseArguments { case: MAIN_CASE.to_owned(), coarse: false, set: Vec::new() },
         pressure: None,
-        out: None,
-        force: false,
+        into: OutArguments::default(),
         threads: None,
         quiet: false,
     })

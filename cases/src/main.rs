@@ -11,7 +11,7 @@ mod report;
 use clap::Parser;
 use cli::{
     BenchArguments, BenchPressureArguments, CaseArguments, Cli, Command, MooringArguments,
-    RunArguments, ValidateArguments, WaveArguments,
+    OutArguments, RunArguments, ValidateArguments, WaveArguments,
 };
 use progress::ProgressDisplay;
 use seakeep::bench;
@@ -25,6 +25,7 @@ use seakeep::theory;
 use seakeep::validation::{self, ValidationError};
 use std::io::Write;
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -76,8 +77,7 @@ fn run(arguments: &RunArguments) -> Result<(), Stop> {
     if !arguments.quiet {
         warn(&case);
     }
-    let out = directory::choose(&case.name, arguments.out.as_deref(), arguments.force)
-        .map_err(refused)?;
+    let out = folder(&case.name, &arguments.into)?;
     let threads = threads(arguments.threads);
     let stop = stop_on_signal()?;
 
@@ -100,6 +100,11 @@ fn run(arguments: &RunArguments) -> Result<(), Stop> {
         }),
         Status::Failed => Err(Stop { message: summary.failure.unwrap_or_default(), code: FAILED }),
     }
+}
+
+/// The folder of results about `name`.
+fn folder(name: &str, into: &OutArguments) -> Result<PathBuf, Stop> {
+    directory::choose(name, into.out.as_deref(), into.force).map_err(refused)
 }
 
 /// As many as asked for, or as there are processors.
@@ -129,8 +134,7 @@ fn validate(arguments: &ValidateArguments) -> Result<(), Stop> {
     let variant = resolution(!arguments.full && given == 0);
     let cases = validation::cases(&arguments.cases, variant, &arguments.set, &arguments.pressure)
         .map_err(failed)?;
-    let out = directory::choose("validation", arguments.out.as_deref(), arguments.force)
-        .map_err(refused)?;
+    let out = folder("validation", &arguments.into)?;
     let (threads, stop) = (threads(arguments.threads), stop_on_signal()?);
     let mut runs = Vec::new();
     for (index, case) in cases.iter().enumerate() {
@@ -177,8 +181,7 @@ fn bench(arguments: &BenchArguments) -> Result<(), Stop> {
     )
     .map_err(refused)?;
     let name = format!("{}-bench", base.name);
-    let out =
-        directory::choose(&name, arguments.out.as_deref(), arguments.force).map_err(refused)?;
+    let out = folder(&name, &arguments.into)?;
     let (threads, stop) = (threads(arguments.threads), stop_on_signal()?);
     let failed = |error: &dyn std::fmt::Display| Stop { message: error.to_string(), code: FAILED };
     let mut trials = Vec::new();
@@ -231,8 +234,7 @@ fn wave(arguments: &WaveArguments) -> Result<(), Stop> {
     warn(&case);
     let theory = theory::theory(&case, arguments.at).map_err(refused)?;
     let name = format!("{}-wave", case.name);
-    let out =
-        directory::choose(&name, arguments.out.as_deref(), arguments.force).map_err(refused)?;
+    let out = folder(&name, &arguments.into)?;
     theory.write(&case, &out).map_err(|error| Stop { message: error.to_string(), code: FAILED })?;
     say(&report::wave(&case, &theory));
     say(&format!("tables in {}\n", out.display()));
@@ -241,8 +243,7 @@ fn wave(arguments: &WaveArguments) -> Result<(), Stop> {
 
 fn mooring(arguments: &MooringArguments) -> Result<(), Stop> {
     let case = load(&arguments.case)?;
-    let out = directory::choose(&case.name, arguments.out.as_deref(), arguments.force)
-        .map_err(refused)?;
+    let out = folder(&case.name, &arguments.into)?;
     let lines = mooring_job::run(&case, &arguments.motion, &out).map_err(|error| match error {
         MooringError::Output(_) => Stop { message: error.to_string(), code: FAILED },
         _ => refused(error),
