@@ -290,3 +290,31 @@ impl Found {
         Self { missing: None, ..self }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moving_mean_of_a_line_is_the_line_and_of_a_spike_its_area() {
+        let times: Vec<f64> = (0..=100).map(|i| f64::from(i) * 0.01).collect();
+        let line: Vec<f64> = times.iter().map(|t| 3.0 * t + 1.0).collect();
+        let mean = moving_mean(&times, &line, 0.1);
+        assert!((5..96).all(|i| (mean[i] - line[i]).abs() < 1e-12));
+        // At an end, half of it is there.
+        assert!((mean[0] - 1.075).abs() < 1e-12, "{}", mean[0]);
+        let spike: Vec<f64> = (0..=100).map(|i| if i == 50 { 7.0 } else { 0.0 }).collect();
+        let highest = moving_mean(&times, &spike, 0.1).into_iter().fold(0.0, f64::max);
+        assert!((highest - 0.7).abs() < 1e-12, "{highest}");
+        assert_eq!(moving_mean(&times, &spike, 1e-3), spike);
+    }
+
+    #[test]
+    fn arrival_is_between_the_samples_around_it() {
+        let times = [1.0, 2.0, 3.0, 4.0];
+        let values = [0.0, 1.0, 5.0, 2.0];
+        assert_eq!(arrival(&times, &values, 3.0), Some(2.5));
+        assert_eq!(arrival(&times, &values, -1.0), Some(1.0));
+        assert_eq!(arrival(&times, &values, 6.0), None);
+    }
+}
