@@ -179,11 +179,12 @@ impl FluidSetup {
     /// its energy a period by a time τ beyond the half, as in off-centred implicit schemes. That
     /// makes up for the energy that the operators feed in, more of it the coarser they are whatever
     /// the step: 0.07 % a period with quadratic fits at D/dx = 20 for a low standing wave, 0.3 % for
-    /// one of k a = 0.13 after some tens of periods and with conventional operators.
+    /// one of k a = 0.13 after some tens of periods and with conventional operators, more where walls
+    /// are near.
     pub(crate) fn assembly_time(&self, h: f64) -> f64 {
         let beyond = match self.numerics.discretisation {
             Discretisation::Quadratic => 0.008,
-            Discretisation::Conventional => 0.011,
+            Discretisation::Conventional => 0.02,
         };
         let passage =
             self.numerics.particle_spacing / (self.water.gravity * self.water.depth).sqrt();
