@@ -177,19 +177,19 @@ impl FluidSetup {
     /// How long after its start a step of `h` (s) is assembled, s: a whole step for the paper's
     /// integrator; for the midpoint, half a step and a little more. A wave loses the part 2 π ω τ of
     /// its energy a period by a time τ beyond the half, as in off-centred implicit schemes. That
-    /// makes up for the energy that the operators feed in, more of it the coarser they are whatever
-    /// the step: 0.07 % a period with quadratic fits at D/dx = 20 for a low standing wave, 0.3 % for
-    /// one of k a = 0.13 after some tens of periods and with conventional operators, more where walls
-    /// are near.
+    /// makes up for the energy that the operators feed in, some of it whatever the step and more by
+    /// long ones: with quadratic fits at D/dx = 20 and a default step 0.07 % a period for a low
+    /// standing wave and 0.3 % for one of k a = 0.13 after some tens of periods, with conventional
+    /// operators 0.3 to 0.6 %, more where walls are near.
     pub(crate) fn assembly_time(&self, h: f64) -> f64 {
-        let beyond = match self.numerics.discretisation {
-            Discretisation::Quadratic => 0.008,
-            Discretisation::Conventional => 0.02,
+        let (of_step, of_passage) = match self.numerics.discretisation {
+            Discretisation::Quadratic => (0.02, 0.004),
+            Discretisation::Conventional => (0.04, 0.012),
         };
         let passage =
             self.numerics.particle_spacing / (self.water.gravity * self.water.depth).sqrt();
         match self.numerics.integrator {
-            Integrator::Midpoint => (0.5 * h + beyond * passage).min(h),
+            Integrator::Midpoint => ((0.5 + of_step) * h + of_passage * passage).min(h),
             Integrator::Paper => h,
         }
     }
