@@ -79,8 +79,10 @@ fn what_cannot_be_measured_is_refused() {
         ),
         (vec!["tiny.toml", "--campaign", "tiny.toml"], "tiny.toml: the weights cannot be read"),
         (vec![SHIPPED, "--campaign", "absent.toml"], "absent.toml: cannot be read"),
-        (vec![SHIPPED], "name a --campaign or a case for a --rollout"),
+        (vec![SHIPPED], "name a --campaign, a case for a --rollout or --data"),
         (vec![SHIPPED, "--rollout", "absent"], "absent: no such file"),
+        #[cfg(not(feature = "torch"))]
+        (vec![SHIPPED, "--data", "data", "--device", "cuda"], "built without the feature torch"),
     ] {
         let output =
             run(directory.path(), &[&["evaluate"], &arguments[..], &["--out", "out"]].concat());

@@ -70,6 +70,27 @@ fn the_same_seed_gives_the_same_weights_and_both_inferences_agree() {
     agree(&directory, &train(&directory, "paper"));
 }
 
+#[test]
+fn libtorch_runs_a_network_beside_the_programs_own_inference() {
+    let directory = ready();
+    fs::write(directory.path().join("weights.safetensors"), train(&directory, "out")).unwrap();
+    let with = |device: &'static str| {
+        let arguments = ["evaluate", "weights.safetensors", "--data", "data", "--out", "out"];
+        [&arguments[..], &["--device", device]].concat()
+    };
+    let output = run(directory.path(), &with("cpu"));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("largest difference") && text.contains("until a frame is there"),
+        "{text}"
+    );
+    if place("cuda").is_err() {
+        refused(&directory, &with("cuda"), "device cuda: libtorch");
+    }
+    refused(&directory, &with("abacus"), "device abacus: there is: cpu, cuda");
+}
+
 /// The program's own inference against libtorch's, on test frames.
 fn agree(directory: &TempDir, weights: &[u8]) {
     let own = Network::from_bytes(weights).unwrap();

@@ -124,9 +124,6 @@ fn waves_that_nothing_makes_or_two_make() {
     refused(&format!("{}hinge_m = 0.1\n", made(linear)), &[&["hinge_m", "piston has no hinge"]]);
     let flap = "\n[wavemaker]\ntype = \"flap\"\nhinge_m = 0.5\n";
     refused(&format!("{}{flap}", wave(linear)), &[&["wavemaker.hinge_m", "at most 0.36"]]);
-    let second = "kind = \"stokes\"\nheight_m = 0.06\nperiod_s = 1.2";
-    let flap = "\n[wavemaker]\ntype = \"flap\"\n";
-    refused(&format!("{}{flap}", wave(second)), &[&["second order needs a piston"]]);
 }
 
 #[test]
