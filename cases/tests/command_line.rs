@@ -16,6 +16,17 @@ fn list_names_every_case() {
 }
 
 #[test]
+fn every_case_comes_with_all_its_files() {
+    // In a folder without the sources: what a case names must be in the program.
+    let directory = directory();
+    let list = stdout(&run(directory.path(), &["list"]));
+    for name in list.lines().filter_map(|line| line.split_whitespace().next()) {
+        let output = run(directory.path(), &["check", name]);
+        assert!(output.status.success(), "{name}: {}", stderr(&output));
+    }
+}
+
+#[test]
 fn check_says_what_would_be_run_and_writes_nothing() {
     let directory = directory();
     let output = run(directory.path(), &["check", "small.toml", "--set", "end_time_s=0.2"]);

@@ -37,6 +37,7 @@ pub(super) fn shipped(folder: &Path, path: &Path) -> Option<&'static str> {
         "reference/lobovsky2014/elevation.csv",
         "reference/lobovsky2014/pressure.csv",
         "reference/spheric10/motion.csv",
+        "reference/spheric10/pressure.csv",
         "reference/ren2015/elevation.csv",
         "reference/ren2015/heave.csv",
         "reference/ren2015/roll.csv",

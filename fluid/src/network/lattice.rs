@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 
 /// Distance between nodes in particle spacings.
 pub(crate) const SPACINGS: f64 = 4.0;
-/// Diagonal of a node's equation, over the mean of all, below which it takes no part.
-pub(crate) const LEAST_DIAGONAL: f64 = 0.05;
+/// Least diagonal of a node's equation, over the mean of all; a smaller one is raised to it.
+pub(crate) const LEAST_DIAGONAL: f64 = 0.15;
 /// Nodes around a cell that its particles' equations reach, in each direction.
 const REACH: usize = 4;
 /// Entries of the equations of a cell's four nodes.
@@ -282,17 +282,19 @@ fn add_row(
 }
 
 /// LU factors of a banded matrix in place, without pivoting; the diagonal becomes its inverse. A
-/// node that hardly any particle is near takes no part: its equation is next to nothing, and water
-/// that comes to it while the factors last would be answered with a pressure without bounds. That
-/// happens at a paddle.
+/// node that few particles are near, under the surface or at a paddle, has an equation of next to
+/// nothing, and water that comes to it while the factors last would be answered with too large a
+/// pressure, the more so from step to step: its diagonal is raised. A node without any has none.
 fn eliminate(rows: &mut [f64], n: usize, band: usize) {
     let width = 2 * band + 1;
     let diagonals = || rows.chunks_exact(width).map(|row| row[band]).filter(|d| *d > 0.0);
     let least = LEAST_DIAGONAL * diagonals().sum::<f64>() / diagonals().count().max(1) as f64;
-    let takes_part: Vec<bool> = rows.chunks_exact(width).map(|row| row[band] > least).collect();
+    let near: Vec<bool> = rows.chunks_exact(width).map(|row| row[band] > 0.0).collect();
+    for row in rows.chunks_exact_mut(width) {
+        row[band] = row[band].max(least);
+    }
     for i in 0..n {
-        let diagonal = rows[i * width + band];
-        let inverse = if takes_part[i] { 1.0 / diagonal } else { 0.0 };
+        let inverse = if near[i] { 1.0 / rows[i * width + band] } else { 0.0 };
         rows[i * width + band] = inverse;
         let (done, rest) = rows.split_at_mut((i + 1) * width);
         let pivot = &done[i * width + band + 1..];
