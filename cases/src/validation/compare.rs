@@ -29,9 +29,11 @@ pub fn compare(case: &Case, results: &Results) -> Result<Comparison, ResultsErro
             _ => Series::default(),
         };
         if let Some(width) = reference.average_s {
-            run.1 = moving_mean(&run.0, &run.1, width);
-            if let (Some(times), Some(values)) = (&reference.times_s, &mut reference.values) {
-                *values = moving_mean(times, values, width);
+            run = moving_mean(&run, width);
+            if let (Some(times), Some(values)) = (reference.times_s.take(), reference.values.take())
+            {
+                let (times, values) = moving_mean(&(times, values), width);
+                (reference.times_s, reference.values) = (Some(times), Some(values));
             }
         }
         runs.push(run);
@@ -133,22 +135,27 @@ fn by_figure(reference: &ReferenceKeys, run: &Series, measure: Option<MeasureNam
     .complete()
 }
 
-/// The mean over `width` (s) around each sample, by the trapezoidal rule; less at the ends.
-fn moving_mean(times: &[f64], values: &[f64], width: f64) -> Vec<f64> {
+/// The mean over `width` (s) around each sample, by the trapezoidal rule; none where the samples do
+/// not fill it, at the ends and where a probe falls dry.
+fn moving_mean((times, values): &Series, width: f64) -> Series {
+    /// Part of the width that is filled.
+    const FILLED: f64 = 0.8;
     let mut integral = vec![0.0; values.len()];
     for i in 1..values.len() {
         let area = 0.5 * (values[i] + values[i - 1]) * (times[i] - times[i - 1]);
         integral[i] = integral[i - 1] + area;
     }
-    let mean = |(time, value): (&f64, &f64)| {
+    let mean = |(i, time): (usize, &f64)| {
         let first = times.partition_point(|t| *t < time - 0.5 * width - 1e-9);
         let last = times.partition_point(|t| *t <= time + 0.5 * width + 1e-9) - 1;
         match times[last] - times[first] {
-            span if span > 0.0 => (integral[last] - integral[first]) / span,
-            _ => *value,
+            // Samples further apart than the width stand for themselves.
+            0.0 => Some((*time, values[i])),
+            span if span < FILLED * width - 1e-9 => None,
+            span => Some((*time, (integral[last] - integral[first]) / span)),
         }
     };
-    times.iter().zip(values).map(mean).collect()
+    times.iter().enumerate().filter_map(mean).unzip()
 }
 
 /// When the values first reach `level`, linearly between the samples.
@@ -299,14 +306,15 @@ mod tests {
     fn moving_mean_of_a_line_is_the_line_and_of_a_spike_its_area() {
         let times: Vec<f64> = (0..=100).map(|i| f64::from(i) * 0.01).collect();
         let line: Vec<f64> = times.iter().map(|t| 3.0 * t + 1.0).collect();
-        let mean = moving_mean(&times, &line, 0.1);
-        assert!((5..96).all(|i| (mean[i] - line[i]).abs() < 1e-12));
-        // At an end, half of it is there.
-        assert!((mean[0] - 1.075).abs() < 1e-12, "{}", mean[0]);
+        let (at, mean) = moving_mean(&(times.clone(), line), 0.1);
+        // No mean where a fifth of the width is missing, at the ends.
+        assert_eq!(at, times[3..98]);
+        assert!((2..93).all(|i| (mean[i] - 3.0 * at[i] - 1.0).abs() < 1e-12));
         let spike: Vec<f64> = (0..=100).map(|i| if i == 50 { 7.0 } else { 0.0 }).collect();
-        let highest = moving_mean(&times, &spike, 0.1).into_iter().fold(0.0, f64::max);
+        let highest = moving_mean(&(times.clone(), spike.clone()), 0.1).1;
+        let highest = highest.into_iter().fold(0.0, f64::max);
         assert!((highest - 0.7).abs() < 1e-12, "{highest}");
-        assert_eq!(moving_mean(&times, &spike, 1e-3), spike);
+        assert_eq!(moving_mean(&(times.clone(), spike.clone()), 1e-3), (times, spike));
     }
 
     #[test]
