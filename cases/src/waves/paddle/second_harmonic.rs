@@ -107,9 +107,10 @@ mod tests {
     }
 
     #[test]
-    fn stroke_of_section_3_of_the_reference() {
-        // An independent sum, with 40 modes and integrals in closed form; the tail of the sum
-        // falls with the inverse of the number of modes.
+    fn regression_of_the_stroke_of_section_3_of_the_reference() {
+        // The same theory evaluated another way, with 40 modes and integrals in closed form; the
+        // tail of the sum falls with the inverse of the number of modes. That the free wave goes
+        // shows in the tank (docs/validation.md).
         let found = against_evanescent_waves(Board::Piston, WATER, 0.03, TAU / 1.2);
         let sum = Complex::new(0.000_170_67, 0.000_536_45 - 0.000_015_18);
         assert!((found - sum).norm() < 0.02 * sum.norm(), "{found}");
