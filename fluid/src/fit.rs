@@ -7,6 +7,7 @@
 
 #![allow(clippy::needless_range_loop)] // sums over columns and triangles read best by index
 
+use crate::corner::Corner;
 use crate::small_matrix::{Factor, Symmetric};
 use nalgebra::Vector2;
 
@@ -251,8 +252,61 @@ impl Moments {
         let mean = self.basis();
         let pivot = CENTRE_WEIGHT + self.matrix.0[0][0] - dot(&mean, &factor.solve(&mean));
         let misfit = Vector2::new(self.u[0] - dot(&mean, &u), self.v[0] - dot(&mean, &v));
-        VelocityFit { u, v, roughness: misfit / pivot }
+        VelocityFit { u, v, roughness: misfit / pivot, singular: 0.0 }
     }
+}
+
+/// The function that is singular at a corner, in the fit around a particle; see [`crate::corner`].
+#[derive(Clone, Debug)]
+pub(crate) struct Singular {
+    /// Number of the corner.
+    pub(crate) corner: u32,
+    /// Its potential at each value row less that at the centre.
+    potential: [f64; MOST],
+    /// Its gradient at each value row less that at the centre, per spacing.
+    gradient: [Vector2<f64>; MOST],
+    /// Its gradient at the centre, per spacing.
+    centre: Vector2<f64>,
+    /// See [`Corner::restraint`].
+    restraint: f64,
+}
+
+impl Singular {
+    /// The function of `corner`, number `index`, at offset `to` (spacings) from the centre.
+    pub(crate) fn new(
+        values: &Values,
+        corner: &Corner,
+        index: u32,
+        to: Vector2<f64>,
+        restraint: f64,
+    ) -> Self {
+        let mut singular = Self {
+            corner: index,
+            potential: [0.0; MOST],
+            gradient: [Vector2::zeros(); MOST],
+            centre: corner.gradient(-to),
+            restraint,
+        };
+        let own = corner.potential(-to);
+        for k in 0..values.len() {
+            let d = values.offset(k) - to;
+            singular.potential[k] = corner.potential(d) - own;
+            singular.gradient[k] = corner.gradient(d) - singular.centre;
+        }
+        singular
+    }
+}
+
+/// What a fit gains by one more unknown with the column `column` of normal equations whose `factor`
+/// is known and the diagonal `diagonal`: the column times the inverse, and the pivot that is left.
+pub(crate) fn border<const N: usize>(
+    factor: &Factor<N>,
+    column: &[f64; N],
+    diagonal: f64,
+) -> ([f64; N], f64) {
+    let solved = factor.solve(column);
+    let taken: f64 = column.iter().zip(&solved).map(|(a, b)| a * b).sum();
+    (solved, diagonal - taken)
 }
 
 /// A wall row: an active wall particle.
@@ -283,6 +337,8 @@ pub(crate) struct Rows {
     pub(crate) walls: Vec<WallRow>,
     /// Walls that do not, as those above the surface: no part of any fit, but no way through.
     pub(crate) dry_walls: Vec<WallRow>,
+    /// A corner nearby.
+    pub(crate) singular: Option<Singular>,
 }
 
 /// Functionals of a pressure fit: each derivative is its dot product with
@@ -292,6 +348,9 @@ pub(crate) struct PressureFit {
     pub(crate) gradient_x: [f64; 5],
     pub(crate) gradient_y: [f64; 5],
     pub(crate) laplacian: [f64; 5],
+    /// Near a corner, for gradient and Laplacian: what Σ w S Δp, with its potential S, is
+    /// multiplied with besides.
+    pub(crate) singular: [f64; 3],
 }
 
 /// Coefficients of a velocity fit and how far its centre lies off it.
@@ -301,6 +360,8 @@ pub(crate) struct VelocityFit {
     pub(crate) v: [f64; 5],
     /// Smooth value minus value at the centre; zero for any quadratic field that meets the walls.
     pub(crate) roughness: Vector2<f64>,
+    /// Strength of the singular function, m/s.
+    pub(crate) singular: f64,
 }
 
 /// Quality of a fit.
@@ -356,17 +417,42 @@ impl Rows {
         let Some(factor) = factor else {
             return (PressureFit::default(), VelocityFit::default(), Quality::None);
         };
-        let pressure_fit = PressureFit {
+        let mut pressure_fit = PressureFit {
+            singular: [0.0; 3],
             gradient_x: factor.solve(&[1.0, 0.0, 0.0, 0.0, 0.0]),
             gradient_y: factor.solve(&[0.0, 1.0, 0.0, 0.0, 0.0]),
             laplacian: factor.solve(&[0.0, 0.0, 1.0, 0.0, 1.0]),
         };
+        if let Some(singular) = self.singular.as_ref().filter(|_| quality == Quality::Full) {
+            self.add_singular(singular, &factor, &mut pressure_fit);
+        }
         let velocity = if self.walls.is_empty() {
             moments.velocity(&factor)
         } else {
             self.fit_velocity_at_walls(&moments, wall_excess)
         };
         (pressure_fit, self.limited(velocity), quality)
+    }
+
+    /// Adds the singular function to a pressure fit.
+    fn add_singular(&self, singular: &Singular, factor: &Factor<5>, fit: &mut PressureFit) {
+        let (mut column, mut diagonal) = ([0.0; 5], 0.0);
+        for k in 0..self.values.len() {
+            let weighted = self.values.weight[k] * singular.potential[k];
+            for (sum, b) in column.iter_mut().zip(basis(self.values.offset(k))) {
+                *sum += weighted * b;
+            }
+            diagonal += weighted * singular.potential[k];
+        }
+        let (solved, pivot) = border(factor, &column, diagonal * (1.0 + singular.restraint));
+        let own = [singular.centre.x, singular.centre.y, 0.0];
+        let rows = [&mut fit.gradient_x, &mut fit.gradient_y, &mut fit.laplacian];
+        for ((row, own), strength) in rows.into_iter().zip(own).zip(&mut fit.singular) {
+            *strength = (own - dot(&column, row)) / pivot;
+            for (row, solved) in row.iter_mut().zip(&solved) {
+                *row -= solved * *strength;
+            }
+        }
     }
 
     /// Whether there are too few neighbours for any fit.
@@ -429,8 +515,29 @@ impl Rows {
         }
         match factorize(matrix, &[3, 4, 5, 9, 10, 11], WALL_PIVOT_THRESHOLD).0 {
             Some(factor) => {
-                let c = factor.solve(&rhs);
+                let mut c = factor.solve(&rhs);
+                let mut strength = 0.0;
+                if let Some(singular) = &self.singular {
+                    let (mut column, mut diagonal, mut right) = ([0.0; 12], 0.0, 0.0);
+                    for k in 0..self.values.len() {
+                        let gradient = singular.gradient[k];
+                        let weighted = self.values.weight[k] * gradient;
+                        let d = self.values.offset(k);
+                        for (i, b) in [1.0].into_iter().chain(basis(d)).enumerate() {
+                            column[i] += weighted.x * b;
+                            column[i + 6] += weighted.y * b;
+                        }
+                        diagonal += weighted.dot(&gradient);
+                        right += weighted.dot(&self.values.velocity(k));
+                    }
+                    let full = diagonal * (1.0 + singular.restraint);
+                    let (solved, pivot) = border(&factor, &column, full);
+                    let met: f64 = column.iter().zip(&c).map(|(a, c)| a * c).sum();
+                    strength = (right - met) / pivot;
+                    c.iter_mut().zip(&solved).for_each(|(c, solved)| *c -= solved * strength);
+                }
                 VelocityFit {
+                    singular: strength,
                     u: [c[1], c[2], c[3], c[4], c[5]],
                     v: [c[7], c[8], c[9], c[10], c[11]],
                     roughness: Vector2::new(c[0], c[6]),
@@ -443,8 +550,8 @@ impl Rows {
     /// Sets the coefficients of the value rows in the Laplacian `functional` and returns their
     /// sum.
     #[inline(always)]
-    pub(crate) fn laplacian(&mut self, functional: &[f64; 5]) -> f64 {
-        let l = functional;
+    pub(crate) fn laplacian(&mut self, fit: &PressureFit) -> f64 {
+        let l = &fit.laplacian;
         let values = &mut self.values;
         let n = values.len;
         let offsets = values.x[..n].iter().zip(&values.y[..n]);
@@ -452,6 +559,11 @@ impl Rows {
         for (coefficient, ((x, y), w)) in values.coefficient[..n].iter_mut().zip(weighted) {
             *coefficient =
                 w * (x * (l[0] + 0.5 * l[2] * x + l[3] * y) + y * (l[1] + 0.5 * l[4] * y));
+        }
+        if let Some(singular) = &self.singular {
+            for k in 0..n {
+                values.coefficient[k] += values.weight[k] * fit.singular[2] * singular.potential[k];
+            }
         }
         values.coefficients().iter().sum()
     }

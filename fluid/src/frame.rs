@@ -53,6 +53,8 @@ pub struct Frame {
     pub column: Vec<u32>,
     /// The off-diagonal entries.
     pub value: Vec<f32>,
+    /// What each row was divided by for its unit diagonal, n.
+    pub divisor: Vec<f32>,
     /// 1 for a particle on the surface.
     pub on_surface: Vec<u8>,
     /// Number of wall particles around each particle, at most 255.
@@ -70,13 +72,14 @@ pub struct Frame {
 }
 
 /// Tensors of a frame's file: name, which ends in the unit, and shape for n particles and m entries.
-pub const TENSORS: [(&str, &str); 13] = [
+pub const TENSORS: [(&str, &str); 14] = [
     ("position_m", "n, 2"),
     ("velocity_m_s", "n, 2"),
     ("source_kg_m3_s", "n"),
     ("row_start", "n + 1"),
     ("column", "m"),
     ("value", "m"),
+    ("divisor", "n"),
     ("on_surface", "n"),
     ("walls", "n"),
     ("wall_distance_spacings", "n"),
@@ -158,7 +161,7 @@ impl Frame {
                 for entry in self.row_start[i] as usize..self.row_start[i + 1] as usize {
                     rows.push(self.column[entry], f64::from(self.value[entry]));
                 }
-                rows.end_row();
+                rows.end_row(f64::from(self.divisor[i]));
             }
         }
         matrix
@@ -174,6 +177,7 @@ impl Frame {
             ("velocity_m_s", &self.velocity, 2),
             ("source_kg_m3_s", &self.source, 1),
             ("value", &self.value, 1),
+            ("divisor", &self.divisor, 1),
             ("wall_distance_spacings", &self.wall_distance, 1),
             ("last_pa", &self.last, 1),
             ("change_pa", &self.change, 1),
@@ -257,6 +261,7 @@ impl Frame {
             row_start: words("row_start")?,
             column: words("column")?,
             value: floats("value")?,
+            divisor: floats("divisor")?,
             on_surface: raw("on_surface", Dtype::U8)?.to_vec(),
             walls: raw("walls", Dtype::U8)?.to_vec(),
             wall_distance: floats("wall_distance_spacings")?,
@@ -277,6 +282,7 @@ impl Frame {
             ("source_kg_m3_s", self.source.len(), n),
             ("row_start", self.row_start.len(), n + 1),
             ("value", self.value.len(), entries),
+            ("divisor", self.divisor.len(), n),
             ("walls", self.walls.len(), n),
             ("wall_distance_spacings", self.wall_distance.len(), n),
             ("last_pa", self.last.len(), n),
@@ -333,6 +339,7 @@ impl Fluid {
             velocity: pairs(particles.velocity.iter().map(|u| [u.x, u.y])),
             source: work.source.iter().map(|value| *value as f32).collect(),
             row_start: vec![0],
+            divisor: (0..start.len()).map(|i| work.matrix.divisor(i)).collect(),
             on_surface: work.on_surface.iter().map(|surface| u8::from(*surface)).collect(),
             walls: (0..start.len()).map(|i| work.wall_lists.of(i).len().min(255) as u8).collect(),
             wall_distance: self.wall_distances(),

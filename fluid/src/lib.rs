@@ -9,6 +9,7 @@
 
 mod broken_water;
 mod component;
+mod corner;
 mod error;
 mod fields;
 mod fill;

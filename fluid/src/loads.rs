@@ -66,6 +66,12 @@ impl PointPressure {
                 self.slopes.push((v as u32, weight));
             }
         }
+        let corner = (fields.walls.corner(centre, fields.spacing)).map(|(index, restraint)| {
+            let corner = &fields.walls.corners[index as usize];
+            let from = |x: Point2<f64>| corner.potential((x - corner.position) * scale);
+            let own = from(centre);
+            (move |j: u32| from(fields.position[j as usize]) - own, restraint)
+        });
         // A quadratic fit; where it cannot be, one whose curvature is kept small.
         let trace: f64 = (0..6).map(|i| matrix.0[i][i]).sum();
         let fits = if self.values.len() < FEWEST { &[][..] } else { &[0.0, 10.0] };
@@ -75,11 +81,28 @@ impl PointPressure {
                 matrix.0[i][i] += penalty;
             }
             let Some(factor) = matrix.factorize(1e-5) else { continue };
-            let value = factor.solve(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            let mut value = factor.solve(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            let mut strength = 0.0;
+            if let Some((potential, restraint)) = &corner {
+                let (mut column, mut diagonal) = ([0.0; 6], 0.0);
+                for &(j, weight) in &self.values {
+                    let d = (fields.position[j as usize] - centre) * scale;
+                    let weighted = weight * potential(j);
+                    for (sum, b) in column.iter_mut().zip(full(fit::basis(d), 1.0)) {
+                        *sum += weighted * b;
+                    }
+                    diagonal += weighted * potential(j);
+                }
+                let (solved, pivot) = fit::border(&factor, &column, diagonal * (1.0 + restraint));
+                let met: f64 = column.iter().zip(&value).map(|(a, b)| a * b).sum();
+                strength = -met / pivot;
+                value.iter_mut().zip(&solved).for_each(|(value, s)| *value -= s * strength);
+            }
             let apply = |row: [f64; 6]| -> f64 { row.iter().zip(&value).map(|(a, b)| a * b).sum() };
             let of_value = |j: u32| {
                 let d = (fields.position[j as usize] - centre) * scale;
-                apply(full(fit::basis(d), 1.0))
+                let singular = corner.as_ref().map_or(0.0, |(potential, _)| potential(j));
+                apply(full(fit::basis(d), 1.0)) + strength * singular
             };
             let of_slope = |v: u32| {
                 let d = (fields.walls.position[v as usize] - centre) * scale;

@@ -20,6 +20,8 @@ pub(crate) struct RowBlock {
     column: Vec<u32>,
     value: Vec<f32>,
     diagonal: Vec<f64>,
+    /// What each row was divided by for its unit diagonal; nought for one without entries.
+    divisor: Vec<f32>,
     lost: f64,
     /// Least and largest column, the other way round where there is none.
     reach: (u32, u32),
@@ -32,6 +34,7 @@ impl RowBlock {
         self.column.clear();
         self.value.clear();
         self.diagonal.clear();
+        self.divisor.clear();
         self.lost = 0.0;
         self.reach = (u32::MAX, 0);
     }
@@ -45,10 +48,12 @@ impl RowBlock {
         self.reach = (self.reach.0.min(column), self.reach.1.max(column));
     }
 
+    /// Ends a row that was divided by `divisor`, its diagonal before.
     #[inline(always)]
-    pub(crate) fn end_row(&mut self) {
+    pub(crate) fn end_row(&mut self, divisor: f64) {
         self.start.push(self.column.len() as u32);
         self.diagonal.push(1.0 + self.lost);
+        self.divisor.push(divisor as f32);
         self.lost = 0.0;
     }
 
@@ -96,6 +101,12 @@ impl SparseMatrix {
     #[inline(always)]
     pub(crate) fn row(&self, i: usize) -> (&[u32], &[f32]) {
         self.blocks[i / BLOCK].row(i % BLOCK)
+    }
+
+    /// What row `i` was divided by for its unit diagonal.
+    #[inline(always)]
+    pub(crate) fn divisor(&self, i: usize) -> f32 {
+        self.blocks[i / BLOCK].divisor[i % BLOCK]
     }
 
     /// Whether row `i` is that of a known value or of one that depends on known values alone.

@@ -3,13 +3,17 @@
 //! Each wall particle stands at the middle of its piece of an edge, so that none lies on a
 //! corner, every normal is that of an edge, and lengths add up to the true perimeter.
 
-use crate::geometry::{cross, edges};
+use crate::corner::{Corner, REACH};
+use crate::geometry::{cross, edges, signed_area};
 use crate::setup::FluidSetup;
 use nalgebra::{Point2, Rotation2, Vector2};
 use seakeep_coupler::interface::BoundaryKinematics;
 
 /// Distance in spacings over which a wall fades out for particles from before to behind it.
 const BEHIND: f64 = 0.3;
+
+/// A corner flatter than this, rad, is left to the polynomials: its function is nearly linear.
+const FLATTEST: f64 = 2.6;
 
 /// What a wall particle belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +50,13 @@ pub(crate) struct Walls {
     reference: Vec<(Vector2<f64>, Vector2<f64>)>,
     /// First particle of each rigid boundary, and the number of all.
     first: Vec<usize>,
+    /// Corners of the rigid boundaries that stand out into the water.
+    pub(crate) corners: Vec<Corner>,
+    /// Boundary, place and face of each in the boundary's own frame.
+    reference_corners: Vec<(usize, Vector2<f64>, Vector2<f64>)>,
+    /// Left and right end of the tank, and the reach of a corner, m.
+    ends: (f64, f64),
+    reach: f64,
 }
 
 impl Walls {
@@ -59,6 +70,8 @@ impl Walls {
             (Vector2::new(length, 0.0), Vector2::new(length, height)),
         ];
         let spacing = setup.numerics.particle_spacing;
+        walls.ends = (left, length);
+        walls.reach = REACH * spacing;
         for (a, b) in tank {
             walls.add_edge(a, b, 1.0, Owner::Tank, spacing);
         }
@@ -68,6 +81,7 @@ impl Walls {
             for (a, b) in edges(&corners) {
                 walls.add_edge(a.coords, b.coords, -1.0, Owner::Boundary(index), spacing);
             }
+            walls.add_corners(index, &corners, spacing);
         }
         walls.first.push(walls.reference.len());
         let count = walls.reference.len();
@@ -90,6 +104,54 @@ impl Walls {
             self.length.push(edge.norm() / pieces);
             self.owner.push(owner);
         }
+    }
+
+    /// Finds the corners of boundary `index` that stand out into the water, whose wall particles have
+    /// just been laid. One whose faces are shorter than it reaches is left to the polynomials.
+    fn add_corners(&mut self, index: usize, corners: &[Point2<f64>], spacing: f64) {
+        // A container has the water inside.
+        if signed_area(corners) < 0.0 {
+            return;
+        }
+        let pieces: Vec<usize> = edges(corners)
+            .map(|(a, b)| ((b - a).norm() / spacing).round().max(1.0) as usize)
+            .collect();
+        let mut first = self.first[index];
+        let n = corners.len();
+        for (k, corner) in corners.iter().enumerate() {
+            let (before, after) = (corners[(k + n - 1) % n], corners[(k + 1) % n]);
+            let (to, from) = (after - corner, before - corner);
+            let inside = cross(to, from).atan2(to.dot(&from));
+            let long = to.norm().min(from.norm()) > 2.0 * REACH * spacing;
+            if inside > 0.0 && inside < FLATTEST && long {
+                let last = if k == 0 { self.reference.len() - 1 } else { first - 1 };
+                self.corners.push(Corner {
+                    position: *corner,
+                    along: to.normalize(),
+                    open: std::f64::consts::TAU - inside,
+                    faces: [first as u32, last as u32],
+                    room: 0.0,
+                });
+                self.reference_corners.push((index, corner.coords, to.normalize()));
+            }
+            first += pieces[k];
+        }
+    }
+
+    /// The corner that a fit at `point` feels, with what holds its strength back there.
+    #[inline(always)]
+    pub(crate) fn corner(&self, point: Point2<f64>, spacing: f64) -> Option<(u32, f64)> {
+        let reach = REACH * spacing;
+        self.corners.iter().enumerate().find_map(|(k, corner)| {
+            let distance2 = (point - corner.position).norm_squared();
+            if distance2 >= reach * reach {
+                return None;
+            }
+            let wet = corner.faces.map(|w| self.activity[w as usize]);
+            let part = corner.room * wet[0].min(wet[1]);
+            let restraint = corner.restraint(distance2.sqrt() / spacing, part)?;
+            Some((k as u32, restraint))
+        })
     }
 
     /// Number of wall particles.
@@ -115,6 +177,15 @@ impl Walls {
                 self.normal[i] = rotation * normal;
                 self.velocity[i] = boundary.velocity_at(self.position[i]);
             }
+        }
+        for (corner, (index, arm, along)) in self.corners.iter_mut().zip(&self.reference_corners) {
+            let boundary = kinematics[*index].drifted(later);
+            let rotation = Rotation2::new(boundary.angle);
+            corner.position = boundary.position + rotation * arm;
+            corner.along = rotation * along;
+            let x = corner.position.x;
+            let clear = corner.position.y.min(x - self.ends.0).min(self.ends.1 - x);
+            corner.room = (clear / self.reach - 1.0).clamp(0.0, 1.0);
         }
     }
 

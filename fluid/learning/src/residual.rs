@@ -9,6 +9,7 @@ use tch::{Device, Tensor};
 /// What this network alone needs of a frame.
 pub(crate) struct Levels {
     features: Tensor,
+    divisor: Tensor,
     nodes: Tensor,
     weights: Tensor,
     coarse_inverse: Tensor,
@@ -22,6 +23,7 @@ impl Levels {
             |values: &[f32], shape: &[i64]| Tensor::from_slice(values).reshape(shape).to(device);
         Self {
             features: shaped(&graph.features, &[n, FEATURES as i64]),
+            divisor: shaped(&graph.divisor, &[n, 1]),
             nodes: indices(&graph.nodes, device),
             weights: shaped(&graph.weights, &[n, 4, 1]),
             coarse_inverse: shaped(&graph.coarse_inverse, &[c, c]),
@@ -44,7 +46,7 @@ pub(crate) fn correction(
     let (n, columns) = (graph.count, r.size()[1]);
     let nodes = levels.coarse_inverse.size()[0];
 
-    let sent = &levels.weights * (gate(0) * r).unsqueeze(1);
+    let sent = &levels.weights * (&levels.divisor * gate(0) * r).unsqueeze(1);
     let restricted = Tensor::zeros([nodes, columns], (r.kind(), r.device())).index_add(
         0,
         &levels.nodes,

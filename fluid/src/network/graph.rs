@@ -14,6 +14,8 @@ use nalgebra::Point2;
 pub struct ResidualGraph {
     /// [`residual::FEATURES`] numbers a particle.
     pub features: Vec<f32>,
+    /// What each row was divided by for its unit diagonal.
+    pub divisor: Vec<f32>,
     /// The four lattice nodes around each particle.
     pub nodes: Vec<u32>,
     /// Their bilinear weights.
@@ -64,6 +66,7 @@ impl ResidualGraph {
         let features = |i| residual::features(&matrix, &cells, usize::from(frame.walls[i]), i);
         Self {
             features: (0..frame.len()).flat_map(features).collect(),
+            divisor: frame.divisor.clone(),
             nodes: (cells.place.iter())
                 .flat_map(|place| place.nodes(cells.shape).map(|node| node as u32))
                 .collect(),

@@ -1,8 +1,12 @@
 //! The coarse level of the residual network: a lattice of nodes a few spacings apart, between
 //! which values are interpolated bilinearly, and the pressure equation on it.
 //!
-//! The coarse equation is the Galerkin product Pᵀ A P of the fine one with the interpolation P, so
-//! that surface, walls and bodies are in it without being named. It is banded, the nodes being
+//! The coarse equation is the Galerkin product Pᵀ D A P of the fine one with the interpolation P, so
+//! that surface, walls and bodies are in it without being named. D takes back what the rows of A
+//! were divided by: rows of the Laplacian itself, one a particle and so one a volume, add up to the
+//! fluxes through the boundary. Rows of unit diagonal do not where diagonals differ, at walls and
+//! most in corners; what is amiss there weighs more the longer the longest mode, whose own
+//! eigenvalue falls as (dx/D)², and at sixty spacings over the depth had turned its sign. It is banded, the nodes being
 //! numbered up each column, and solved by factors without pivoting; its cost grows as N (D/dx)²/16²
 //! where that of everything else grows as N.
 
@@ -189,7 +193,7 @@ pub(crate) struct Coarse {
 }
 
 impl Coarse {
-    /// Assembles Pᵀ A P for the particles in `cells` and factorizes it. Rows that stand alone are not
+    /// Assembles Pᵀ D A P for the particles in `cells` and factorizes it. Rows that stand alone are not
     /// in it.
     pub(crate) fn factorize(&mut self, cells: &Cells, matrix: &SparseMatrix) {
         let shape = cells.shape;
@@ -245,7 +249,7 @@ impl Coarse {
     }
 }
 
-/// Adds Pᵢᵀ (A P)ᵢ of particle `i` in the cell at `corner` to the cell's block of equations.
+/// Adds Pᵢᵀ dᵢ (A P)ᵢ of particle `i` in the cell at `corner` to the cell's block of equations.
 #[inline(always)]
 fn add_row(
     cells: &Cells,
@@ -267,6 +271,7 @@ fn add_row(
         }
     };
     let own = cells.place[i];
+    let divisor = f64::from(matrix.divisor(i));
     add(own, 1.0);
     let (columns, values) = matrix.row(i);
     for (&j, &value) in columns.iter().zip(values) {
@@ -276,7 +281,7 @@ fn add_row(
     }
     for (entries, weight) in block.chunks_exact_mut(REACH * REACH).zip(own.weights()) {
         for (entry, value) in entries.iter_mut().zip(&reached) {
-            *entry += f64::from(weight) * value;
+            *entry += divisor * f64::from(weight) * value;
         }
     }
 }

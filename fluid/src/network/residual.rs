@@ -6,7 +6,7 @@
 //! is learned decides how each particle answers, from the geometry around it: an encoder turns
 //! [`FEATURES`] numbers into [`GATES`] gates. Then
 //!
-//! 1. coarse level: x⁰ = g_P · P (Pᵀ A P)⁻¹ Pᵀ (g_R · r), see `lattice`, reaches bed and
+//! 1. coarse level: x⁰ = g_P · P (Pᵀ D A P)⁻¹ Pᵀ D (g_R · r), see `lattice`, reaches bed and
 //!    far walls at once;
 //! 2. fine level: [`LAYERS`] layers of message passing on the particle graph. Particle j sends
 //!    a_ij x_j, the operator's own weight, and with the sum m_i of its messages, its own part
@@ -184,7 +184,10 @@ impl Residual {
         self.start.resize(n, 0.0);
         self.found.resize(n, 0.0);
         self.slabs.resize_with(n.div_ceil(SLAB), Slab::default);
-        let sent = |i| if matrix.stands_alone(i) { 0.0 } else { gates[i][0] * r[i] };
+        let sent = |i| match matrix.stands_alone(i) {
+            true => 0.0,
+            false => matrix.divisor(i) * gates[i][0] * r[i],
+        };
         cells.restrict(sent, &mut self.coarse);
         coarse.solve(&mut self.coarse);
         let (cells, nodes) = (&*cells, &self.coarse);

@@ -131,6 +131,7 @@ pub(super) fn derive(
     let size = of_walls.norm_squared();
     let walls_scale = if size > 0.0 { missing.dot(&of_walls) / size } else { 0.0 };
     let pressure = PressureFit {
+        singular: [0.0; 3],
         gradient_x: functional(&factor, [1.0, 0.0]),
         gradient_y: functional(&factor, [0.0, 1.0]),
         laplacian: [0.0, 0.0, 1.0 / gamma, walls_scale / gamma, 0.0],

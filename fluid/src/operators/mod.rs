@@ -10,7 +10,7 @@ mod conventional;
 mod quadratic;
 
 use crate::fields::Fields;
-use crate::fit::{self, PressureFit, Quality, Rows, VelocityFit, WallRow};
+use crate::fit::{self, PressureFit, Quality, Rows, Singular, VelocityFit, WallRow};
 use crate::neighbours::BLOCK;
 use crate::regularise;
 use crate::setup::Discretisation;
@@ -44,6 +44,8 @@ pub(crate) struct Local {
     pub(crate) surface_roughness: Vector2<f64>,
     /// The walls that it stands before: the nearest, and another in a corner.
     pub(crate) contacts: [Option<regularise::Contact>; 2],
+    /// The corner whose function its fits take, if there is one.
+    pub(crate) corner: Option<u32>,
 }
 
 /// A particle whose row has a smaller diagonal has no equation of its own: its neighbours, a few in
@@ -91,7 +93,7 @@ pub(crate) fn assemble(
                         }
                     }
                 }
-                matrix.end_row();
+                matrix.end_row(local.diagonal);
             }
         });
 }
@@ -119,6 +121,18 @@ fn gather(fields: Fields, i: usize, rows: &mut Rows) {
             index: w,
         };
         if part > 0.0 { rows.walls.push(row) } else { rows.dry_walls.push(row) }
+    }
+    rows.singular = None;
+    if rows.walls.is_empty() || fields.discretisation != Discretisation::Quadratic {
+        return;
+    }
+    let Some((index, restraint)) = fields.walls.corner(centre, fields.spacing) else { return };
+    let corner = &fields.walls.corners[index as usize];
+    // Its function goes through any other wall.
+    let owner = |w: u32| fields.walls.owner[w as usize];
+    if rows.walls.iter().all(|row| owner(row.index) == owner(corner.faces[0])) {
+        let to = (corner.position - centre) * scale;
+        rows.singular = Some(Singular::new(&rows.values, corner, index, to, restraint));
     }
 }
 
@@ -168,12 +182,18 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
         ) * (scale * scale),
         roughness: velocity.roughness,
         shift: shift * fields.spacing,
-        shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v)),
+        shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v))
+            + rows.singular.as_ref().map_or_else(Vector2::zeros, |singular| {
+                let corner = &fields.walls.corners[singular.corner as usize];
+                let from = (fields.position[i] - corner.position) * scale;
+                (corner.gradient(from + shift) - corner.gradient(from)) * velocity.singular
+            }),
         diagonal: if diagonal > LEAST_DIAGONAL { diagonal } else { 0.0 },
         quality,
         crowding,
         filter: regularise::filter(fields, i, rows),
         contacts: regularise::contacts(fields, rows),
+        corner: rows.singular.as_ref().map(|singular| singular.corner),
         surface_roughness: if fields.on_surface[i] {
             fields.normal[i] * (regularise::surface_roughness(fields, i, rows) * fields.spacing)
         } else {
@@ -235,11 +255,14 @@ fn surface_sum(
 ) -> f64 {
     let scale = 1.0 / fields.spacing;
     let mut sum = 0.0;
+    let potential = potential_from(fields, i, local);
     for &j in fields.fluid.of(i) {
         let j = j as usize;
         if fields.on_surface[j] {
             let (weight, row) = row((fields.position[j] - fields.position[i]) * scale);
-            let a = weight * fit::dot(&local.pressure.laplacian, &row);
+            let a = weight
+                * (fit::dot(&local.pressure.laplacian, &row)
+                    + local.pressure.singular[2] * potential(j));
             sum += a * surface_pressure(j);
         }
     }
@@ -292,10 +315,34 @@ pub(crate) fn gradient(
             add_values(fields, i, pressure, neumann, conventional::value_row)
         }
     };
-    Vector2::new(
+    let mut gradient = Vector2::new(
         fit::dot(&local.pressure.gradient_x, &sum),
         fit::dot(&local.pressure.gradient_y, &sum),
-    ) * scale
+    );
+    if local.corner.is_some() {
+        let potential = potential_from(fields, i, local);
+        let [x, y, _] = local.pressure.singular;
+        for &j in fields.fluid.of(i) {
+            let j = j as usize;
+            let d = (fields.position[j] - fields.position[i]) * scale;
+            let weight = fit::weight(d.norm_squared());
+            gradient += Vector2::new(x, y) * (weight * potential(j) * (pressure[j] - pressure[i]));
+        }
+    }
+    gradient * scale
+}
+
+/// Potential of the corner near particle `i` at a particle less that at `i`; nought without one.
+#[inline(always)]
+fn potential_from<'a>(fields: Fields<'a>, i: usize, local: &Local) -> impl Fn(usize) -> f64 + 'a {
+    let corner = local.corner.map(|index| &fields.walls.corners[index as usize]);
+    let at = move |j: usize| {
+        corner.map_or(0.0, |corner| {
+            corner.potential((fields.position[j] - corner.position) / fields.spacing)
+        })
+    };
+    let own = at(i);
+    move |j| at(j) - own
 }
 
 /// `sum` plus, over the neighbours of particle `i`, their pressure above its own times their row.

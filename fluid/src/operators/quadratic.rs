@@ -23,7 +23,7 @@ pub(super) fn derive(rows: &mut Rows, wall_excess: impl Fn(&WallRow) -> f64) -> 
     let (u, v) = (velocity.u, velocity.v);
     Derivatives {
         velocity_gradient: Matrix2::new(u[0], u[1], v[0], v[1]),
-        diagonal: rows.laplacian(&pressure.laplacian),
+        diagonal: rows.laplacian(&pressure),
         pressure,
         velocity,
         quality,

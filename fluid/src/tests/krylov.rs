@@ -50,7 +50,7 @@ impl Grid {
             for (column, weight) in weights {
                 block.push(column, -weight / diagonal);
             }
-            block.end_row();
+            block.end_row(diagonal);
         }
         matrix
     }
@@ -232,7 +232,7 @@ fn the_preconditioner_pays() {
     identity.blocks.resize_with(matrix.blocks.len(), Default::default);
     for block in &mut identity.blocks {
         block.clear();
-        (0..BLOCK).for_each(|_| block.end_row());
+        (0..BLOCK).for_each(|_| block.end_row(1.0));
     }
     let mut none = Preconditioner::default();
     none.factorize(&identity, b.len());

@@ -1,6 +1,7 @@
 //! Tests of the inner parts that the crate does not show.
 
 mod bodies;
+mod corner;
 mod fit;
 mod krylov;
 mod manufactured;

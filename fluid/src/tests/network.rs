@@ -63,6 +63,10 @@ fn the_coarse_level_is_the_galerkin_product_of_the_fine_one() {
         let product = times(&tank.matrix, &unit);
         fine.column_mut(column).iter_mut().zip(product).for_each(|(a, b)| *a = b[0]);
     }
+    // The Laplacian itself, before its rows were divided.
+    for (i, mut row) in fine.row_iter_mut().enumerate() {
+        row *= f64::from(tank.matrix.divisor(i));
+    }
     let mut interpolation = DMatrix::<f64>::zeros(n, nodes);
     for i in 0..n {
         let place = tank.cells.place[i];
