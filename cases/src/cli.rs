@@ -101,6 +101,10 @@ pub(crate) struct RunArguments {
     /// What finds the pressure, in place of the case's pressure.solver: ppe, network or guarded
     #[arg(long, value_name = "SOLVER")]
     pub(crate) pressure: Option<String>,
+    /// Where the network is evaluated, in place of the case's pressure.device: own (the program's own
+    /// code), cpu or cuda (libtorch, in a build with the feature torch)
+    #[arg(long, value_name = "DEVICE")]
+    pub(crate) device: Option<String>,
     #[command(flatten)]
     pub(crate) into: OutArguments,
     /// Threads to use; without it as many as there are processors. Results do not depend on it
@@ -263,6 +267,7 @@ pub(crate) fn main_job() -> Command {
     Command::Run(RunArguments {
         case: CaseArguments { case: MAIN_CASE.to_owned(), coarse: false, set: Vec::new() },
         pressure: None,
+        device: None,
         into: OutArguments::default(),
         threads: None,
         quiet: false,

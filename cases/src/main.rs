@@ -297,11 +297,12 @@ fn bench_pressure(arguments: &BenchPressureArguments) -> Result<(), Stop> {
         .map_err(|error| Stop { message: error.to_string(), code: FAILED })
 }
 
-/// The case of a run, with the pressure solver that the command line asks for.
+/// The case of a run, with the pressure solver and the device that the command line asks for.
 fn with_pressure(arguments: &RunArguments) -> CaseArguments {
     let solver = arguments.pressure.iter().map(|solver| format!("pressure.solver={solver:?}"));
+    let device = arguments.device.iter().map(|device| format!("pressure.device={device:?}"));
     let CaseArguments { case, coarse, set } = &arguments.case;
-    let set = set.iter().cloned().chain(solver).collect();
+    let set = set.iter().cloned().chain(solver).chain(device).collect();
     CaseArguments { case: case.clone(), coarse: *coarse, set }
 }
 

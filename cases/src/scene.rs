@@ -1,6 +1,6 @@
 //! A case in the terms of the components: what is simulated, measured and written.
 
-use crate::case::{BodyKeys, CaseKeys, EngineName, TableName};
+use crate::case::{BodyKeys, CaseKeys, Device, EngineName, TableName};
 use crate::initial_water::{Displacement, InitialWater};
 use crate::instruments::{Gauge, Probe};
 use crate::wavemaker;
@@ -14,12 +14,17 @@ use seakeep_fluid::network::Network;
 use seakeep_fluid::setup::{
     DampingZone, FluidSetup, Numerics, PressureSettings, RigidBoundary, Tank, Water,
 };
+use std::path::PathBuf;
 
 /// What a run simulates and writes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// The fluid and the boundaries in it.
     pub fluid: FluidSetup,
+    /// Where the network is evaluated, if one finds the pressure.
+    pub device: Device,
+    /// Its weights file, if it is not the one that comes with the program.
+    pub weights: Option<PathBuf>,
     /// The water at the start.
     pub initial_water: InitialWater,
     /// How far the particles are off their lattice at the start.
@@ -213,6 +218,8 @@ impl Scene {
             keys.body.iter().zip(motions).map(|(keys, m)| body(keys, m)).collect();
         Self {
             fluid,
+            device: keys.pressure.device,
+            weights: keys.pressure.weights.clone(),
             initial_water,
             displacement: Displacement {
                 largest: keys.numerics.displacement * keys.numerics.particle_spacing_m,

@@ -28,6 +28,9 @@ pub enum SimulationError {
     /// A body cannot be set up.
     #[error("body: {0}")]
     Body(#[from] BodyError),
+    /// The device that the network is to be evaluated on cannot be used.
+    #[error("{0}")]
+    Device(String),
     /// The wave cannot be.
     #[error("wave: {0}")]
     Wave(#[from] WaveError),
@@ -93,6 +96,7 @@ impl Simulation {
             None => &scene.initial_water,
         };
         let mut fluid = Fluid::flowing(scene.fluid.clone(), &scene.displacement.of(flow))?;
+        infer_elsewhere(&mut fluid, scene)?;
         let mut bodies = match scene.fluid.boundaries.as_slice() {
             [] => None,
             _ => Some(rigid_bodies(scene)?),
@@ -328,4 +332,33 @@ fn properties(scene: &Scene) -> Vec<BodyProperties> {
 pub fn displacement(kinematics: &BoundaryKinematics, equilibrium: Point2<f64>) -> [f64; 3] {
     let moved = kinematics.position - equilibrium;
     [moved.x, moved.y, kinematics.angle]
+}
+
+/// Lets the network be evaluated on the device of `scene`.
+#[cfg(feature = "torch")]
+fn infer_elsewhere(fluid: &mut Fluid, scene: &Scene) -> Result<(), SimulationError> {
+    use crate::case::Device;
+    use seakeep_fluid::network::SHIPPED;
+    use seakeep_learning::{DeviceNetwork, StepByStep, place, use_threads};
+
+    let name = match scene.device {
+        Device::Own => return Ok(()),
+        Device::Cpu => "cpu",
+        Device::Cuda => "cuda",
+    };
+    let unusable = |reason: &dyn std::fmt::Display| SimulationError::Device(reason.to_string());
+    let read = scene.weights.as_ref().map(std::fs::read).transpose();
+    let bytes = read.map_err(|error| unusable(&error))?;
+    let place = place(name).map_err(|error| unusable(&error))?;
+    use_threads(rayon::current_num_threads());
+    let network = DeviceNetwork::new(bytes.as_deref().unwrap_or(SHIPPED), place)
+        .map_err(|error| unusable(&error))?;
+    fluid.infer(std::sync::Arc::new(StepByStep::new(network)));
+    Ok(())
+}
+
+/// Without the feature `torch` a case cannot ask for a device.
+#[cfg(not(feature = "torch"))]
+fn infer_elsewhere(_fluid: &mut Fluid, _scene: &Scene) -> Result<(), SimulationError> {
+    Ok(())
 }

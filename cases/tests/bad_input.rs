@@ -190,3 +190,18 @@ fn weights_that_are_none() {
     refused(SMALL, &["--set", &damaged], &[&["bad.toml", "weights cannot be read"]]);
     refused(SMALL, &["--set", "pressure.solver=\"oracle\""], &[&["oracle", "guarded"]]);
 }
+
+#[test]
+fn a_device_where_none_can_be() {
+    let set = |key: &'static str| ["--set", key];
+    let device = set("pressure.device=\"cpu\"");
+    let mut without_network = vec![&["pressure.device", "evaluates a network"][..]];
+    if cfg!(not(feature = "torch")) {
+        let network = [&device[..], &set("pressure.solver=\"network\"")].concat();
+        let built = &["pressure.device", "built without the feature torch"][..];
+        refused(SMALL, &network, &[built]);
+        without_network.push(built);
+    }
+    refused(SMALL, &device, &without_network);
+    refused(SMALL, &set("pressure.device=\"abacus\""), &[&["pressure.device", "abacus"]]);
+}

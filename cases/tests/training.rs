@@ -9,7 +9,7 @@ mod common;
 use common::{campaign, run, stderr};
 use seakeep::dataset::{Dataset, Split};
 use seakeep_fluid::network::Network;
-use seakeep_learning::{Inference, place};
+use seakeep_learning::{DeviceNetwork, place};
 use std::fs;
 use tempfile::TempDir;
 
@@ -94,7 +94,7 @@ fn libtorch_runs_a_network_beside_the_programs_own_inference() {
 /// The program's own inference against libtorch's, on test frames.
 fn agree(directory: &TempDir, weights: &[u8]) {
     let own = Network::from_bytes(weights).unwrap();
-    let other = Inference::new(weights, place("cpu").unwrap()).unwrap();
+    let other = DeviceNetwork::new(weights, place("cpu").unwrap()).unwrap();
     let dataset = Dataset::open(&directory.path().join("data")).unwrap();
     for path in dataset.files(Split::Test) {
         let frame = Dataset::frame(&path).unwrap();

@@ -49,6 +49,12 @@ pub enum FluidError {
         /// Relative residual.
         residual: f64,
     },
+    /// A network's inference elsewhere failed.
+    #[error("the network cannot be evaluated: {reason}")]
+    Inference {
+        /// What failed.
+        reason: String,
+    },
     /// A particle has a position or velocity that is not finite, or too many have left the tank or are
     /// faster than any water in it could be.
     #[error(

@@ -121,7 +121,7 @@ impl Fluid {
             work,
             response: LoadResponse::zero(boundaries),
             solved_for: None,
-            solver: pressure::solver(setup.pressure, &setup.network),
+            solver: pressure::solver(setup.pressure, &setup.network, None),
             report: PressureReport::default(),
             fallbacks: 0,
             unit_report: Report::default(),

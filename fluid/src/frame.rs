@@ -1,6 +1,7 @@
 //! Frames: the pressure equation of one step with its exact solution, from which networks learn.
 
 use crate::error::FluidError;
+use crate::fields::Fields;
 use crate::fluid::Fluid;
 use crate::neighbours::BLOCK;
 use crate::pressure::solver::{PressureSettings, Start};
@@ -308,6 +309,57 @@ impl Frame {
     }
 }
 
+/// What a frame is made of.
+pub(crate) struct Assembled<'a> {
+    pub(crate) scales: Scales,
+    pub(crate) fields: Fields<'a>,
+    pub(crate) matrix: &'a SparseMatrix,
+    /// Ψ of Eq. (9b), kg/(m³ s).
+    pub(crate) source: &'a [f64],
+    /// Pressure of the step before, zero on the surface, its change over that step, and what of the
+    /// equation it leaves, Pa.
+    pub(crate) last: &'a [[f64; 1]],
+    pub(crate) change: &'a [f64],
+    pub(crate) residual: &'a [[f64; 1]],
+}
+
+impl Frame {
+    /// The frame of an equation whose solution is not known: no `target`.
+    pub(crate) fn of(assembled: &Assembled<'_>) -> Self {
+        let Assembled { scales, fields, matrix, source, last, change, residual } = *assembled;
+        let count = last.len();
+        let weight = scales.density * scales.gravity;
+        let surface_pressure = |i: usize| weight * (fields.position[i].y - scales.depth);
+        let single = |values: &[f64]| values.iter().map(|value| *value as f32).collect();
+        let mut frame = Self {
+            scales,
+            position: pairs(fields.position.iter().map(|x| [x.x, x.y])),
+            velocity: pairs(fields.velocity.iter().map(|u| [u.x, u.y])),
+            source: single(source),
+            row_start: vec![0],
+            divisor: (0..count).map(|i| matrix.divisor(i)).collect(),
+            on_surface: fields.on_surface.iter().map(|surface| u8::from(*surface)).collect(),
+            walls: (0..count).map(|i| fields.wall_lists.of(i).len().min(255) as u8).collect(),
+            wall_distance: wall_distances(fields),
+            last: (last.iter().enumerate())
+                .map(|(i, p)| if fields.on_surface[i] { surface_pressure(i) } else { p[0] })
+                .map(|p| p as f32)
+                .collect(),
+            change: single(change),
+            residual: residual.iter().map(|r| r[0] as f32).collect(),
+            target: vec![0.0; count],
+            ..Self::default()
+        };
+        for i in 0..count {
+            let (columns, values) = matrix.row(i);
+            frame.column.extend(columns);
+            frame.value.extend(values);
+            frame.row_start.push(frame.column.len() as u32);
+        }
+        frame
+    }
+}
+
 impl Fluid {
     /// Asks for the frame of the next step that is solved; [`Self::take_frame`] hands it over.
     pub fn record_frame(&mut self) {
@@ -332,32 +384,17 @@ impl Fluid {
         self.work.matrix.multiply::<1, 1>(&start, &mut product, &mut Vec::new(), |i, r, _| {
             r[0] = rhs[i][0] - r[0];
         });
-        let (work, particles) = (&self.work, &self.state.particles);
-        let mut frame = Frame {
+        let particles = &self.state.particles;
+        let mut frame = Frame::of(&Assembled {
             scales: self.scales(h),
-            position: pairs(work.position.iter().map(|x| [x.x, x.y])),
-            velocity: pairs(particles.velocity.iter().map(|u| [u.x, u.y])),
-            source: work.source.iter().map(|value| *value as f32).collect(),
-            row_start: vec![0],
-            divisor: (0..start.len()).map(|i| work.matrix.divisor(i)).collect(),
-            on_surface: work.on_surface.iter().map(|surface| u8::from(*surface)).collect(),
-            walls: (0..start.len()).map(|i| work.wall_lists.of(i).len().min(255) as u8).collect(),
-            wall_distance: self.wall_distances(),
-            last: (start.iter().enumerate())
-                .map(|(i, p)| if work.on_surface[i] { self.surface_pressure(i) } else { p[0] })
-                .map(|p| p as f32)
-                .collect(),
-            change: particles.pressure_change.iter().map(|change| *change as f32).collect(),
-            residual: product.iter().map(|r| r[0] as f32).collect(),
-            target: exact.iter().zip(&start).map(|(p, last)| (p[0] - last[0]) as f32).collect(),
-            ..Frame::default()
-        };
-        for i in 0..start.len() {
-            let (columns, values) = work.matrix.row(i);
-            frame.column.extend(columns);
-            frame.value.extend(values);
-            frame.row_start.push(frame.column.len() as u32);
-        }
+            fields: Self::fields(&self.setup, particles, &self.walls, &self.work),
+            matrix: &self.work.matrix,
+            source: &self.work.source,
+            last: &start,
+            change: &particles.pressure_change,
+            residual: &product,
+        });
+        frame.target = exact.iter().zip(&start).map(|(p, last)| (p[0] - last[0]) as f32).collect();
         self.frame = Some(frame);
         Ok(())
     }
@@ -386,22 +423,21 @@ impl Fluid {
         let (start, mut rival) = (self.work.solution.clone(), self.rival(settings));
         self.solve_again(h, start, &mut rival).map(|(_, exact)| exact)
     }
+}
 
-    fn wall_distances(&self) -> Vec<f32> {
-        let (walls, dx) = (&self.walls, self.setup.numerics.particle_spacing);
-        let mut wet: Vec<_> = (0..walls.len())
-            .filter(|&w| walls.activity[w] > 0.0)
-            .map(|w| walls.position[w])
-            .collect();
-        wet.sort_by(|a, b| a.x.total_cmp(&b.x));
-        let distance = |x: &nalgebra::Point2<f64>| {
-            let from = wet.partition_point(|wall| wall.x < x.x - FAR * dx);
-            let near = wet[from..].iter().take_while(|wall| wall.x <= x.x + FAR * dx);
-            let square = near.map(|wall| (wall - x).norm_squared()).fold(f64::INFINITY, f64::min);
-            (square.sqrt() / dx).min(FAR) as f32
-        };
-        self.work.position.iter().map(distance).collect()
-    }
+/// Distance of each particle to the nearest wall that bounds the water, in spacings.
+fn wall_distances(fields: Fields) -> Vec<f32> {
+    let (walls, dx) = (fields.walls, fields.spacing);
+    let mut wet: Vec<_> =
+        (0..walls.len()).filter(|&w| walls.activity[w] > 0.0).map(|w| walls.position[w]).collect();
+    wet.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let distance = |x: &nalgebra::Point2<f64>| {
+        let from = wet.partition_point(|wall| wall.x < x.x - FAR * dx);
+        let near = wet[from..].iter().take_while(|wall| wall.x <= x.x + FAR * dx);
+        let square = near.map(|wall| (wall - x).norm_squared()).fold(f64::INFINITY, f64::min);
+        (square.sqrt() / dx).min(FAR) as f32
+    };
+    fields.position.iter().map(distance).collect()
 }
 
 fn pairs(values: impl Iterator<Item = [f64; 2]>) -> Vec<f32> {

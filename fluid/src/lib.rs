@@ -10,6 +10,7 @@
 mod broken_water;
 mod component;
 mod corner;
+mod divergence;
 mod error;
 mod fields;
 mod fill;

@@ -9,7 +9,7 @@ use crate::fit;
 use crate::fluid::Fluid;
 use crate::krylov::Stop;
 use crate::neighbours::BLOCK;
-use crate::network::Network;
+use crate::network::{Inference, Network};
 use crate::operators::{self, Local};
 use crate::sparse::Preconditioner;
 use crate::walls::Owner;
@@ -20,6 +20,7 @@ use solver::{
     PreconditionerKind, PressureMemory, PressureReport, PressureSettings, PressureSolver, Problem,
     SolverKind, Start,
 };
+use std::sync::Arc;
 
 /// Tolerance of the pressure of unit accelerations, in pressure tolerances.
 const UNIT_TOLERANCE: f64 = 10.0;
@@ -162,6 +163,7 @@ impl Fluid {
         let square = numerics.particle_spacing.powi(2);
         let too_thin = if alpha > 0.0 { self.density_deficit() } else { 0.0 };
         let mut source = std::mem::take(&mut self.work.source);
+        self.divergence(&mut source);
         let mut rhs = std::mem::take(&mut self.work.rhs);
         let mut solution = std::mem::take(&mut self.work.solution);
         let particles = &self.state.particles;
@@ -174,7 +176,7 @@ impl Fluid {
                 for (offset, (rhs, (solution, source))) in rhs.iter_mut().zip(values).enumerate() {
                     let i = block * BLOCK + offset;
                     let local = &this.work.locals[i];
-                    *source = 0.0;
+                    let divergence = std::mem::take(source);
                     if fields.on_surface[i] {
                         *rhs = [0.0];
                         *solution = [0.0];
@@ -186,7 +188,6 @@ impl Fluid {
                         continue;
                     }
                     // Eq. (9b): Ψ = α (ρ − ρ*)/dt + (1 − α) ρ ∇·u*.
-                    let divergence = local.velocity_gradient.trace();
                     let mut thin = alpha * too_thin;
                     if this.work.broken.is_at(fields.position[i].x) {
                         thin += CROWDING_FEEDBACK * too_thin_here(local.crowding);
@@ -256,10 +257,15 @@ impl Fluid {
         mean_diagonal(&self.work.locals) * h / (self.setup.water.density * square)
     }
 
+    /// From now on the network, where one finds the pressure, is evaluated `elsewhere`.
+    pub fn infer(&mut self, elsewhere: Arc<dyn Inference>) {
+        self.solver = solver(self.setup.pressure, &self.setup.network, Some(elsewhere));
+    }
+
     /// A solver to compare with, which keeps factors from step to step as a run does.
     #[must_use]
     pub fn rival(&self, settings: PressureSettings) -> Rival {
-        let solver = solver(settings, &self.setup.network);
+        let solver = solver(settings, &self.setup.network, None);
         Rival { settings, solver, memory: PressureMemory::default() }
     }
 
@@ -303,12 +309,18 @@ pub struct Rival {
     memory: PressureMemory,
 }
 
-/// The solver that `settings` ask for.
-pub(crate) fn solver(settings: PressureSettings, network: &Network) -> Box<dyn PressureSolver> {
+/// The solver that `settings` ask for, a network with its inference `elsewhere` or the program's own.
+pub(crate) fn solver(
+    settings: PressureSettings,
+    network: &Network,
+    elsewhere: Option<Arc<dyn Inference>>,
+) -> Box<dyn PressureSolver> {
+    let by_network =
+        |guarded: bool| Box::new(NetworkSolver::new(network.clone(), elsewhere, settings, guarded));
     match settings.solver {
         SolverKind::Ppe | SolverKind::Capped => Box::new(Poisson::new(settings)),
-        SolverKind::Network => Box::new(NetworkSolver::new(network.clone(), settings, false)),
-        SolverKind::Guarded => Box::new(NetworkSolver::new(network.clone(), settings, true)),
+        SolverKind::Network => by_network(false),
+        SolverKind::Guarded => by_network(true),
     }
 }
 

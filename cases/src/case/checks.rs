@@ -3,7 +3,8 @@
 use super::body_checks::check_bodies;
 use super::source::Source;
 use super::wave_checks::check_wave_values;
-use super::{CaseKeys, Problem, moorings, references};
+use super::{CaseKeys, Device, Problem, moorings, references};
+use seakeep_fluid::setup::SolverKind;
 use std::collections::HashSet;
 use std::fmt;
 
@@ -142,6 +143,15 @@ pub(super) fn check_values(keys: &CaseKeys, source: &Source) -> Vec<Problem> {
     check.number("pressure.divergence_tolerance", divergence, Allowed::from(0.0, 0.01));
     let guard = keys.pressure.guard_tolerance;
     check.number("pressure.guard_tolerance", guard, Allowed::above(0.0, 1.0));
+    let (device, solver) = (keys.pressure.device, keys.pressure.solver);
+    let by_network = matches!(solver, SolverKind::Network | SolverKind::Guarded);
+    check.require(device == Device::Own || by_network, "pressure.device", || {
+        "a device evaluates a network: pressure.solver must be \"network\" or \"guarded\""
+            .to_owned()
+    });
+    check.require(device == Device::Own || cfg!(feature = "torch"), "pressure.device", || {
+        "this program was built without the feature torch: there is \"own\"".to_owned()
+    });
     check.number("pressure.sweeps", f64::from(keys.pressure.sweeps), Allowed::from(0.0, 100.0));
     let iterations = f64::from(keys.pressure.max_iterations);
     check.number("pressure.max_iterations", iterations, Allowed::from(1.0, 1e6));

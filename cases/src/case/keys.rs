@@ -168,6 +168,21 @@ pub struct PressureKeys {
     /// Weights file of the network; without it the one that comes with the program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub weights: Option<PathBuf>,
+    /// Where the network is evaluated.
+    pub device: Device,
+}
+
+/// Where a network is evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Device {
+    /// By the program's own code, on the processor.
+    #[default]
+    Own,
+    /// By libtorch on the processor.
+    Cpu,
+    /// By libtorch on a CUDA device.
+    Cuda,
 }
 
 impl Default for PressureKeys {
@@ -183,6 +198,7 @@ impl Default for PressureKeys {
             guard_tolerance: settings.guard_tolerance,
             sweeps: settings.sweeps,
             weights: None,
+            device: Device::Own,
         }
     }
 }

@@ -28,8 +28,8 @@ pub use body_keys::{
 };
 pub use coupling::{AccelerationName, CouplingKeys, ExtrapolationName, SchemeName};
 pub use keys::{
-    CaseKeys, DampingZoneKeys, GaugeKeys, NumericsKeys, OutputKeys, PressureKeys, ProbeKeys,
-    StandingWaveKeys, TableName, TankKeys, WaterKeys,
+    CaseKeys, DampingZoneKeys, Device, GaugeKeys, NumericsKeys, OutputKeys, PressureKeys,
+    ProbeKeys, StandingWaveKeys, TableName, TankKeys, WaterKeys,
 };
 pub use library::{LibraryCase, library};
 pub use mooring_keys::{LineKind, MooringKeys};

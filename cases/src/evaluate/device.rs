@@ -3,7 +3,7 @@
 
 use crate::dataset::{Dataset, DatasetError, Split};
 use seakeep_fluid::network::{Network, NetworkError};
-use seakeep_learning::{Inference, LearningError, place, use_threads};
+use seakeep_learning::{DeviceNetwork, LearningError, place, use_threads};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use thiserror::Error;
@@ -69,7 +69,7 @@ pub fn on_device(
         .map_err(|source| DeviceError::Read { path: weights.to_owned(), source })?;
     let own = Network::from_bytes(&bytes)?;
     use_threads(threads);
-    let other = Inference::new(&bytes, place(device)?)?;
+    let other = DeviceNetwork::new(&bytes, place(device)?)?;
     let files = Dataset::open(data)?.files(Split::Test);
     if files.is_empty() {
         return Err(DeviceError::NoTest(data.to_owned()));

@@ -29,6 +29,6 @@ pub use device::{Place, place};
 #[cfg(feature = "torch")]
 pub use error::LearningError;
 #[cfg(feature = "torch")]
-pub use model::{Inference, Inputs, Model};
+pub use model::{DeviceNetwork, Inputs, Model, StepByStep};
 #[cfg(feature = "torch")]
 pub use trainer::{Losses, Settings, Trainer, use_threads};

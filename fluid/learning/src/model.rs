@@ -11,8 +11,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use seakeep_fluid::frame::Frame;
 use seakeep_fluid::network::residual::INITIAL_GATES;
-use seakeep_fluid::network::{Network, decode};
+use seakeep_fluid::network::{Inference, Network, decode};
 use serde::{Deserialize, Serialize};
+use std::sync::Mutex;
 use tch::{Device, Tensor, no_grad};
 
 /// Which network.
@@ -108,13 +109,13 @@ pub(crate) fn paper_change(
 }
 
 /// A network on a device of libtorch.
-pub struct Inference {
+pub struct DeviceNetwork {
     model: Model,
     parameters: Vec<Tensor>,
     device: Device,
 }
 
-impl Inference {
+impl DeviceNetwork {
     /// The network in a weights file, on the device at `place`.
     ///
     /// # Errors
@@ -158,4 +159,22 @@ impl Inference {
 pub struct Inputs {
     graph: Graph,
     prepared: Prepared,
+}
+
+/// A network on a device of libtorch that a fluid may use: one step at a time, whatever its threads.
+pub struct StepByStep(Mutex<DeviceNetwork>);
+
+impl StepByStep {
+    /// `network`, for a fluid.
+    #[must_use]
+    pub fn new(network: DeviceNetwork) -> Self {
+        Self(Mutex::new(network))
+    }
+}
+
+impl Inference for StepByStep {
+    fn change(&self, frame: &Frame) -> Result<Vec<f32>, String> {
+        let network = self.0.lock().map_err(|error| error.to_string())?;
+        Ok(network.correction(&network.inputs(frame)))
+    }
 }

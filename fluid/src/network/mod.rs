@@ -7,6 +7,7 @@ pub mod paper;
 pub mod residual;
 mod weights;
 
+use crate::frame::Frame;
 pub use graph::{PaperGraph, ResidualGraph};
 use paper::PaperWeights;
 use residual::ResidualWeights;
@@ -15,9 +16,22 @@ use thiserror::Error;
 use weights::Tensors;
 pub use weights::{Decoded, decode, encode};
 
+/// A network's inference in another place than this program's own code, as by libtorch on a device.
+pub trait Inference: Send + Sync {
+    /// The change of the last pressure that the network finds for `frame`, whose target is not known:
+    /// Pa, one for each particle.
+    ///
+    /// # Errors
+    /// A line that says what failed.
+    fn change(&self, frame: &Frame) -> Result<Vec<f32>, String>;
+}
+
 /// A network with its weights.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Network(pub(crate) Weights);
+
+/// The weights file that comes with the program.
+pub const SHIPPED: &[u8] = include_bytes!("../../weights/residual.safetensors");
 
 /// The weights of one of the networks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -82,7 +96,7 @@ impl Network {
     /// # Errors
     /// Never, unless the program was built with a damaged file.
     pub fn shipped() -> Result<Self, NetworkError> {
-        Self::from_bytes(include_bytes!("../../weights/residual.safetensors"))
+        Self::from_bytes(SHIPPED)
     }
 
     /// The network in a weights file.

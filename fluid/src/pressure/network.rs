@@ -5,11 +5,12 @@
 //! equation from there.
 
 use crate::error::FluidError;
+use crate::frame::{Assembled, Frame};
 use crate::neighbours::BLOCK;
 use crate::network::lattice::Cells;
 use crate::network::paper::{self, Paper, PaperWeights};
 use crate::network::residual::{Residual, ResidualWeights};
-use crate::network::{Network, Weights};
+use crate::network::{Inference, Network, Weights};
 use crate::pressure::poisson::Poisson;
 use crate::pressure::solver::{PressureReport, PressureSettings, PressureSolver, Problem, Start};
 use crate::sparse::Entry;
@@ -20,6 +21,7 @@ use std::time::Instant;
 /// Finds the pressure by a network.
 pub(crate) struct NetworkSolver {
     weights: Arc<Weights>,
+    elsewhere: Option<Arc<dyn Inference>>,
     settings: PressureSettings,
     guarded: bool,
     cells: Cells,
@@ -32,9 +34,16 @@ pub(crate) struct NetworkSolver {
 }
 
 impl NetworkSolver {
-    pub(crate) fn new(network: Network, settings: PressureSettings, guarded: bool) -> Self {
+    /// With the inference `elsewhere` in the place of the program's own, if there is one.
+    pub(crate) fn new(
+        network: Network,
+        elsewhere: Option<Arc<dyn Inference>>,
+        settings: PressureSettings,
+        guarded: bool,
+    ) -> Self {
         Self {
             weights: Arc::new(network.0),
+            elsewhere,
             settings,
             guarded,
             cells: Cells::default(),
@@ -74,6 +83,28 @@ impl NetworkSolver {
         left
     }
 
+    /// Adds the change of the pressure that the network finds elsewhere; its residual is known.
+    fn correct_elsewhere(
+        &self,
+        elsewhere: &dyn Inference,
+        problem: &mut Problem<'_>,
+    ) -> Result<(), FluidError> {
+        let frame = Frame::of(&Assembled {
+            scales: problem.scales,
+            fields: problem.fields,
+            matrix: problem.matrix,
+            source: problem.source,
+            last: problem.pressure,
+            change: problem.change,
+            residual: &self.product,
+        });
+        let change = elsewhere.change(&frame).map_err(|reason| FluidError::Inference { reason })?;
+        for (p, change) in problem.pressure.iter_mut().zip(&change) {
+            p[0] += f64::from(*change);
+        }
+        Ok(())
+    }
+
     /// Puts the pressure of the paper's network in the place of the last.
     fn replace(&mut self, weights: &PaperWeights, problem: &mut Problem<'_>) {
         let (fields, scales) = (problem.fields, problem.scales);
@@ -103,9 +134,14 @@ impl PressureSolver for NetworkSolver {
         let begun = Instant::now();
         let (before, size) = problem.residual(&mut self.product, &mut self.sums);
         let weights = Arc::clone(&self.weights);
-        let mut after = match &*weights {
-            Weights::Residual(weights) => self.correct(weights, &mut problem),
-            Weights::Paper(weights) => {
+        let elsewhere = self.elsewhere.clone();
+        let mut after = match (elsewhere, &*weights) {
+            (Some(elsewhere), _) => {
+                self.correct_elsewhere(&*elsewhere, &mut problem)?;
+                problem.residual(&mut self.product, &mut self.sums).0
+            }
+            (None, Weights::Residual(weights)) => self.correct(weights, &mut problem),
+            (None, Weights::Paper(weights)) => {
                 self.replace(weights, &mut problem);
                 problem.residual(&mut self.product, &mut self.sums).0
             }
