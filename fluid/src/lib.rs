@@ -10,7 +10,6 @@
 mod broken_water;
 mod component;
 mod corner;
-mod divergence;
 mod error;
 mod fields;
 mod fill;

@@ -163,7 +163,6 @@ impl Fluid {
         let square = numerics.particle_spacing.powi(2);
         let too_thin = if alpha > 0.0 { self.density_deficit() } else { 0.0 };
         let mut source = std::mem::take(&mut self.work.source);
-        self.divergence(&mut source);
         let mut rhs = std::mem::take(&mut self.work.rhs);
         let mut solution = std::mem::take(&mut self.work.solution);
         let particles = &self.state.particles;
@@ -176,7 +175,7 @@ impl Fluid {
                 for (offset, (rhs, (solution, source))) in rhs.iter_mut().zip(values).enumerate() {
                     let i = block * BLOCK + offset;
                     let local = &this.work.locals[i];
-                    let divergence = std::mem::take(source);
+                    *source = 0.0;
                     if fields.on_surface[i] {
                         *rhs = [0.0];
                         *solution = [0.0];
@@ -188,6 +187,7 @@ impl Fluid {
                         continue;
                     }
                     // Eq. (9b): Ψ = α (ρ − ρ*)/dt + (1 − α) ρ ∇·u*.
+                    let divergence = local.velocity_gradient.trace();
                     let mut thin = alpha * too_thin;
                     if this.work.broken.is_at(fields.position[i].x) {
                         thin += CROWDING_FEEDBACK * too_thin_here(local.crowding);
