@@ -43,24 +43,6 @@ fn every_solver_gives_the_same_motion() {
     }
 }
 
-/// libtorch on the processor, step by step within a run, as the program's own code: both see the same
-/// weights, but the latter keeps gates and coarse level for some steps.
-#[cfg(feature = "torch")]
-#[test]
-fn a_network_on_a_device_gives_the_same_motion() {
-    let (_, own) = heave(&["--pressure", "network"]);
-    let (_, found) = heave(&["--pressure", "network", "--device", "cpu"]);
-    assert!(found != own, "the device was not used");
-    assert!((found / own - 1.0).abs() < 0.01, "{found} instead of {own}");
-    if seakeep_learning::place("cuda").is_err() {
-        let directory = directory();
-        let cuda = ["run", "small.toml", "--pressure", "network", "--device", "cuda"];
-        let output = run(directory.path(), &cuda);
-        assert_eq!(output.status.code(), Some(2));
-        assert!(stderr(&output).contains("device cuda: libtorch"), "{}", stderr(&output));
-    }
-}
-
 #[test]
 fn a_guard_that_nothing_passes_falls_back_every_step() {
     let strict = ["--pressure", "guarded", "--set", "pressure.guard_tolerance=1e-12"];

@@ -91,6 +91,36 @@ fn libtorch_runs_a_network_beside_the_programs_own_inference() {
     refused(&directory, &with("abacus"), "device abacus: there is: cpu, cuda");
 }
 
+/// libtorch on the processor, step by step within a run, as the program's own code: both have the
+/// same weights, but the latter keeps gates and coarse level for some steps.
+#[test]
+fn a_network_on_a_device_gives_the_same_motion() {
+    let directory = common::directory();
+    let network = ["run", "small.toml", "--quiet", "--pressure", "network"];
+    // Released 10 mm above where it floats.
+    let released = ["--set", "end_time_s=0.3", "--set", "body.position_m=[0.4, 0.21]"];
+    let heave = |device: &'static str| -> f64 {
+        let arguments = [&network[..], &released, &["--device", device, "--out", device]].concat();
+        let output = run(directory.path(), &arguments);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let motion = fs::read_to_string(directory.path().join(device).join("motion.csv")).unwrap();
+        let mut lines = motion.lines();
+        let column = lines.next().unwrap().split(',').position(|name| name == "heave_m").unwrap();
+        lines.last().unwrap().split(',').nth(column).unwrap().parse().unwrap()
+    };
+    let (own, found) = (heave("own"), heave("cpu"));
+    assert!(own.abs() > 1e-4, "meant to move: {own}");
+    assert!(found != own, "the device was not used");
+    assert!((found / own - 1.0).abs() < 0.01, "{found} instead of {own}");
+    if place("cuda").is_err() {
+        let cuda = [&network[..], &["--device", "cuda", "--out", "cuda"]].concat();
+        let output = run(directory.path(), &cuda);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("device cuda: libtorch"), "{}", stderr(&output));
+        assert!(!directory.path().join("cuda").exists());
+    }
+}
+
 /// The program's own inference against libtorch's, on test frames.
 fn agree(directory: &TempDir, weights: &[u8]) {
     let own = Network::from_bytes(weights).unwrap();
