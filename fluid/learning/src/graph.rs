@@ -25,8 +25,13 @@ pub(crate) struct Graph {
 impl Graph {
     pub(crate) fn new(frame: &Frame, device: Device) -> Self {
         let count = frame.len() as i64;
-        let square: f64 = frame.target.iter().map(|v| f64::from(*v).powi(2)).sum();
-        let scale = (square / count.max(1) as f64).sqrt().max(f64::MIN_POSITIVE);
+        let size = |values: &[f32]| -> f64 {
+            let square: f64 = values.iter().map(|v| f64::from(*v).powi(2)).sum();
+            (square / count.max(1) as f64).sqrt()
+        };
+        // Within a run the target is not known; in water at rest there is nothing to find.
+        let sizes = [size(&frame.target), size(&frame.residual)];
+        let scale = sizes.into_iter().find(|size| *size > 0.0).unwrap_or(1.0);
         let scaled = |values: &[f32]| -> Vec<f32> {
             values.iter().map(|value| (f64::from(*value) / scale) as f32).collect()
         };
