@@ -16,7 +16,7 @@ pub(crate) struct Graph {
     pub(crate) residual: Tensor,
     /// Exact minus last pressure, n × 1, in units of `scale`.
     pub(crate) target: Tensor,
-    /// Root mean square of the target, Pa.
+    /// Root mean square of the target or, where it is not known, of the residual, Pa.
     pub(crate) scale: f64,
     /// Number of particles.
     pub(crate) count: i64,
