@@ -229,7 +229,7 @@ impl Fluid {
         self.timed(Stage::Pressure, |fluid| fluid.pressure(h)).transpose()?;
         self.keep_frame(h)?;
         self.try_solvers(h)?;
-        self.timed(Stage::Loads, Self::loads_at_zero_acceleration);
+        self.timed(Stage::Loads, |fluid| fluid.loads_at_zero_acceleration(h)).transpose()?;
         self.solved_for = Some(h);
         Ok(())
     }
@@ -239,6 +239,7 @@ impl Fluid {
         self.timed(Stage::Correct, |fluid| fluid.correct(h));
         self.timed(Stage::Damping, |fluid| fluid.damp(h));
         self.timed(Stage::Regularise, |fluid| fluid.regularise(h));
+        self.timed(Stage::Loads, |fluid| fluid.keep_divergence(h));
         self.check()?;
         self.response.at(&self.state.accelerations, &mut self.state.loads);
         self.state.step += 1;

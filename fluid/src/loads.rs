@@ -1,5 +1,6 @@
 //! Loads on rigid boundaries: pressure at the wall particles, integrated over the wetted wall.
 
+use crate::error::FluidError;
 use crate::fields::Fields;
 use crate::fit;
 use crate::fluid::Fluid;
@@ -155,8 +156,12 @@ pub(crate) fn load_on_piece(
 }
 
 impl Fluid {
-    /// F_0 and A of F = F_0 − A a, Eqs. (19) and (20).
-    pub(crate) fn loads_at_zero_acceleration(&mut self) {
+    /// F_0 and A of F = F_0 − A a in a step of `h` (s), Eqs. (19) and (20).
+    ///
+    /// # Errors
+    /// [`FluidError::PressureNotConverged`].
+    pub(crate) fn loads_at_zero_acceleration(&mut self, h: f64) -> Result<(), FluidError> {
+        self.repeated_pressure(h)?;
         let mut wall_pressure = std::mem::take(&mut self.work.wall_pressure);
         let fields = Self::fields(&self.setup, &self.state.particles, &self.walls, &self.work);
         let water = &self.setup.water;
@@ -184,7 +189,7 @@ impl Fluid {
                     if fields.on_surface[i] {
                         self.surface_pressure(i)
                     } else {
-                        self.work.solution[i][0]
+                        self.work.solution[i][0] - self.work.repeated[i][0]
                     }
                 };
                 let dynamic = functional.evaluate(value, |w| self.known_slope(w));
@@ -222,5 +227,6 @@ impl Fluid {
         }
         self.response = response;
         self.work.wall_pressure = wall_pressure;
+        Ok(())
     }
 }

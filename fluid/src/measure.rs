@@ -65,7 +65,9 @@ impl Fluid {
     pub fn pressure_at(&self, point: Point2<f64>) -> Option<f64> {
         let water = &self.setup.water;
         let functional = self.functional_at(point)?;
-        let dynamic = functional.evaluate(|j| self.state.particles.pressure[j], |_| 0.0);
+        let particles = &self.state.particles;
+        let of_particle = |j: usize| particles.pressure[j] - particles.repeated_pressure[j][0];
+        let dynamic = functional.evaluate(of_particle, |_| 0.0);
         Some(dynamic + water.density * water.gravity * (water.depth - point.y))
     }
 

@@ -8,7 +8,6 @@ use crate::neighbours::BLOCK;
 use crate::operators;
 use crate::plan::Stage;
 use crate::regularise;
-use crate::walls::Owner;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
@@ -44,12 +43,6 @@ impl Fluid {
         let this = &*self;
         let fields = Self::fields(&this.setup, &this.state.particles, &this.walls, &this.work);
         let water = &this.setup.water;
-        let slope = |w: usize| match this.walls.owner[w] {
-            Owner::Boundary(b) if this.setup.boundaries[b].free => {
-                this.slope(w, b, |mode| this.state.accelerations[3 * b + mode])
-            }
-            _ => this.known_slope(w),
-        };
         let viscous = this.runs[Stage::Viscosity as usize];
         velocity.par_chunks_mut(BLOCK).enumerate().for_each(|(block, velocity)| {
             for (offset, velocity) in velocity.iter_mut().enumerate() {
@@ -59,7 +52,7 @@ impl Fluid {
                     // Alone in the air: free fall.
                     Vector2::new(0.0, -water.gravity)
                 } else {
-                    let walls = operators::neumann(fields, i, slope);
+                    let walls = operators::neumann(fields, i, |w| this.present_slope(w));
                     operators::gradient(fields, i, local, &pressure, &walls) / -water.density
                 };
                 if viscous {

@@ -14,6 +14,11 @@ pub(crate) struct Particles {
     pub(crate) pressure: Vec<f64>,
     /// Change of the dynamic pressure over the last step, Pa.
     pub(crate) pressure_change: Vec<f64>,
+    /// Divergence that the last step has left in the velocity near bodies, 1/s; see
+    /// [`crate::pressure::repeated`].
+    pub(crate) divergence_left: Vec<f64>,
+    /// Part of the last step's pressure that is no load, Pa; see [`crate::pressure::repeated`].
+    pub(crate) repeated_pressure: Vec<[f64; 1]>,
     /// Whether the particle is on the free surface.
     pub(crate) on_surface: Vec<bool>,
     /// Identity, kept when particles are renumbered.
@@ -28,6 +33,8 @@ impl Particles {
             velocity: vec![Vector2::zeros(); count],
             pressure: vec![0.0; count],
             pressure_change: vec![0.0; count],
+            divergence_left: vec![0.0; count],
+            repeated_pressure: vec![[0.0]; count],
             identity: (0..count as u32).collect(),
             position,
             on_surface,

@@ -2,6 +2,7 @@
 
 mod network;
 mod poisson;
+pub(crate) mod repeated;
 pub(crate) mod solver;
 
 use crate::error::FluidError;
@@ -42,6 +43,16 @@ impl Fluid {
                 [k.acceleration.x, k.acceleration.y, k.angular_acceleration][mode]
             }),
             _ => 0.0,
+        }
+    }
+
+    /// ∂p/∂n at wall particle `w` for the accelerations of the step, Pa/m.
+    pub(crate) fn present_slope(&self, w: usize) -> f64 {
+        match self.walls.owner[w] {
+            Owner::Boundary(b) if self.setup.boundaries[b].free => {
+                self.slope(w, b, |mode| self.state.accelerations[3 * b + mode])
+            }
+            _ => self.known_slope(w),
         }
     }
 

@@ -71,6 +71,11 @@ pub(crate) struct Work {
     pub(crate) source: Vec<f64>,
     pub(crate) rhs: Vec<[f64; 1]>,
     pub(crate) solution: Vec<[f64; 1]>,
+    /// Part of the pressure that is no load, Pa; see [`crate::pressure::repeated`].
+    pub(crate) repeated: Vec<[f64; 1]>,
+    pub(crate) krylov: Krylov<1>,
+    /// Inner particles that bodies reach, directly or over a neighbour.
+    pub(crate) near_body: Vec<bool>,
     pub(crate) unit_rhs: Vec<[f64; 3]>,
     pub(crate) unit_solution: Vec<Vec<[f64; 3]>>,
     pub(crate) unit_krylov: Krylov<3>,
@@ -89,6 +94,7 @@ pub(crate) struct Work {
     pub(crate) taken: Vec<bool>,
     pub(crate) scratch_flags: Vec<bool>,
     pub(crate) scratch_identities: Vec<u32>,
+    pub(crate) scratch_pressures: Vec<[f64; 1]>,
     pub(crate) scratch_units: Vec<[f64; 3]>,
 }
 
@@ -102,6 +108,8 @@ impl Work {
         self.source.resize(count, 0.0);
         self.rhs.resize(count, [0.0]);
         self.solution.resize(count, [0.0]);
+        self.repeated.resize(count, [0.0]);
+        self.near_body.resize(count, false);
         self.pressure.resize(count, 0.0);
         if !self.unit_solution.is_empty() {
             self.unit_rhs.resize(count, [0.0; 3]);

@@ -161,14 +161,20 @@ impl Default for Derivatives {
     }
 }
 
+/// The derivatives around a particle; `excess(w)` is n·(U_w − u_i).
+#[inline(always)]
+fn derive(fields: Fields, rows: &mut Rows, excess: impl Fn(&WallRow) -> f64) -> Derivatives {
+    match fields.discretisation {
+        Discretisation::Quadratic => quadratic::derive(rows, excess),
+        Discretisation::Conventional => conventional::derive(fields, rows, excess),
+    }
+}
+
 #[inline(always)]
 fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
     let own = fields.velocity[i];
     let excess = |row: &WallRow| row.normal.dot(&(fields.walls.velocity[row.index as usize] - own));
-    let derivatives = match fields.discretisation {
-        Discretisation::Quadratic => quadratic::derive(rows, excess),
-        Discretisation::Conventional => conventional::derive(fields, rows, excess),
-    };
+    let derivatives = derive(fields, rows, excess);
     let Derivatives { pressure, velocity_gradient, velocity, diagonal, quality } = derivatives;
     let scale = 1.0 / fields.spacing;
     let (shift, crowding) = regularise::shift(fields, i, rows);
@@ -200,6 +206,32 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
             Vector2::zeros()
         },
     }
+}
+
+/// The `divergence` of the velocity at the `wanted` particles, 1/s, where wall particle w moves with
+/// `wall(w)` along its normal (m/s); nought at all others.
+pub(crate) fn divergences(
+    fields: Fields,
+    scratch: &mut [Scratch],
+    wanted: &[bool],
+    wall: impl Fn(usize) -> f64 + Sync,
+    divergence: &mut [f64],
+) {
+    let blocks = divergence.par_chunks_mut(BLOCK).zip(scratch).enumerate();
+    blocks.for_each(|(block, (divergence, scratch))| {
+        for (offset, divergence) in divergence.iter_mut().enumerate() {
+            let i = block * BLOCK + offset;
+            *divergence = 0.0;
+            if wanted[i] {
+                let rows = &mut scratch.rows;
+                gather(fields, i, rows);
+                let own = fields.velocity[i];
+                let excess = |row: &WallRow| wall(row.index as usize) - row.normal.dot(&own);
+                let gradient = derive(fields, rows, excess).velocity_gradient;
+                *divergence = gradient.trace() / fields.spacing;
+            }
+        }
+    });
 }
 
 /// Standard deviation of the particle density away from surface and walls, relative to its mean.
