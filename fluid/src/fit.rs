@@ -8,6 +8,8 @@
 #![allow(clippy::needless_range_loop)] // sums over columns and triangles read best by index
 
 use crate::corner::Corner;
+use crate::geometry::capped;
+use crate::lanes::{Lanes, Number};
 use crate::small_matrix::{Factor, Symmetric};
 use nalgebra::Vector2;
 
@@ -15,7 +17,7 @@ use nalgebra::Vector2;
 pub(crate) const RADIUS: f64 = 2.6;
 
 /// A pivot below this part of its diagonal means a direction that the neighbours do not resolve.
-const PIVOT_THRESHOLD: f64 = 5e-3;
+pub(crate) const PIVOT_THRESHOLD: f64 = 5e-3;
 /// The same for the velocity at walls, whose twelve unknowns share a larger trace: 5e-3 took the
 /// velocity's gradient from particles at walls that were displaced by 10 % of a spacing.
 const WALL_PIVOT_THRESHOLD: f64 = 1e-5;
@@ -25,7 +27,7 @@ const WALL_PIVOT_THRESHOLD: f64 = 1e-5;
 const LINEAR_FALLBACK: f64 = 10.0;
 
 /// Neighbours below which there is no fit: a few particles in the air fly freely.
-const FEWEST: usize = 3;
+pub(crate) const FEWEST: usize = 3;
 
 /// Weight of a Neumann row relative to a value row. A small weight keeps the condition where a
 /// quadratic field can meet it, and lets the fit give way where it cannot, at a corner and where
@@ -38,16 +40,17 @@ const CENTRE_WEIGHT: f64 = 0.5;
 /// Weight of a value row, (1 − q)³ (1 + 3 q) / r², q = r / radius, at squared distance `r2` in
 /// spacings. A Neumann row is a slope already and takes the weight without 1/r².
 #[inline(always)]
-pub(crate) fn weight(r2: f64) -> f64 {
-    bell(r2) / (r2 + 0.1)
+pub(crate) fn weight<T: Number>(r2: T) -> T {
+    bell(r2) / (r2 + T::of(0.1))
 }
 
 /// (1 − q)³ (1 + 3 q) = 1 − 6 q² + 8 q³ − 3 q⁴.
 #[inline(always)]
-pub(crate) fn bell(r2: f64) -> f64 {
-    let q = r2.sqrt() * (1.0 / RADIUS);
-    let p = (1.0 - q).max(0.0);
-    p * p * p * (1.0 + 3.0 * q)
+pub(crate) fn bell<T: Number>(r2: T) -> T {
+    let one = T::of(1.0);
+    let q = r2.sqrt() * T::of(1.0 / RADIUS);
+    let p = (one - q).larger(T::of(0.0));
+    p * p * p * (one + T::of(3.0) * q)
 }
 
 /// B(d).
@@ -63,41 +66,82 @@ pub(crate) fn normal_derivative(d: Vector2<f64>, n: Vector2<f64>) -> [f64; 5] {
 }
 
 #[inline(always)]
-pub(crate) fn dot(a: &[f64; 5], b: &[f64; 5]) -> f64 {
+pub(crate) fn dot<T: Number>(a: &[T; 5], b: &[T; 5]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
 }
 
 /// Value rows that a fit takes at most; a regular arrangement has 20.
-const MOST: usize = 64;
+pub(crate) const MOST: usize = 64;
 
-/// The value rows: neighbouring particles, a column for each quantity.
+/// What is known of the value rows around a particle, or around several side by side: a column for
+/// each quantity.
+#[derive(Clone, Debug)]
+pub(crate) struct Columns<T> {
+    pub(crate) len: usize,
+    /// Offset from the centre, in spacings.
+    pub(crate) x: [T; MOST],
+    pub(crate) y: [T; MOST],
+    /// Velocity relative to the centre's, m/s.
+    pub(crate) u: [T; MOST],
+    pub(crate) v: [T; MOST],
+    weight: [T; MOST],
+    /// Coefficient in the Laplacian.
+    pub(crate) coefficient: [T; MOST],
+}
+
+impl<T: Number> Default for Columns<T> {
+    fn default() -> Self {
+        let zero = [T::of(0.0); MOST];
+        Self { len: 0, x: zero, y: zero, u: zero, v: zero, weight: zero, coefficient: zero }
+    }
+}
+
+impl<T: Number> Columns<T> {
+    /// Weighs the rows, whose offsets are there.
+    #[inline(always)]
+    pub(crate) fn weigh(&mut self) {
+        let n = self.len;
+        for ((w, x), y) in self.weight[..n].iter_mut().zip(&self.x[..n]).zip(&self.y[..n]) {
+            *w = weight(*x * *x + *y * *y);
+        }
+    }
+
+    /// Largest speed relative to the centre, m/s: no smooth value lies further off.
+    #[inline(always)]
+    pub(crate) fn largest_difference(&self) -> T {
+        let mut largest = T::of(0.0);
+        for (u, v) in self.u[..self.len].iter().zip(&self.v[..self.len]) {
+            largest = largest.larger(*u * *u + *v * *v);
+        }
+        largest.sqrt()
+    }
+
+    /// Sets the coefficients in the Laplacian `l` and returns their sum.
+    #[inline(always)]
+    pub(crate) fn laplacian(&mut self, l: &[T; 5]) -> T {
+        let (n, half) = (self.len, T::of(0.5));
+        let mut sum = T::of(0.0);
+        let offsets = self.x[..n].iter().zip(&self.y[..n]);
+        let weighted = offsets.zip(&self.weight[..n]);
+        for (coefficient, ((&x, &y), &w)) in self.coefficient[..n].iter_mut().zip(weighted) {
+            *coefficient =
+                w * (x * (l[0] + half * l[2] * x + l[3] * y) + y * (l[1] + half * l[4] * y));
+            sum += *coefficient;
+        }
+        sum
+    }
+}
+
+/// The value rows: neighbouring particles.
 #[derive(Clone, Debug)]
 pub(crate) struct Values {
-    len: usize,
-    x: [f64; MOST],
-    y: [f64; MOST],
-    weight: [f64; MOST],
-    u: [f64; MOST],
-    v: [f64; MOST],
-    coefficient: [f64; MOST],
-    index: [u32; MOST],
+    pub(crate) columns: Columns<f64>,
     on_surface: [bool; MOST],
 }
 
 impl Default for Values {
     fn default() -> Self {
-        let zero = [0.0; MOST];
-        Self {
-            len: 0,
-            x: zero,
-            y: zero,
-            weight: zero,
-            u: zero,
-            v: zero,
-            coefficient: zero,
-            index: [0; MOST],
-            on_surface: [false; MOST],
-        }
+        Self { columns: Columns::default(), on_surface: [false; MOST] }
     }
 }
 
@@ -110,83 +154,69 @@ impl Values {
         list: &[u32],
         row: impl Fn(usize) -> (Vector2<f64>, Vector2<f64>, bool),
     ) {
-        self.len = list.len().min(MOST);
+        let columns = &mut self.columns;
+        columns.len = list.len().min(MOST);
         for (k, &j) in list.iter().take(MOST).enumerate() {
             let (d, velocity, on_surface) = row(j as usize);
-            self.x[k] = d.x;
-            self.y[k] = d.y;
-            self.u[k] = velocity.x;
-            self.v[k] = velocity.y;
-            self.index[k] = j;
+            columns.x[k] = d.x;
+            columns.y[k] = d.y;
+            columns.u[k] = velocity.x;
+            columns.v[k] = velocity.y;
             self.on_surface[k] = on_surface;
         }
-        let n = self.len;
-        for ((w, x), y) in self.weight[..n].iter_mut().zip(&self.x[..n]).zip(&self.y[..n]) {
-            *w = weight(x * x + y * y);
-        }
+        columns.weigh();
     }
 
     /// Offset of row `k` in spacings.
     #[inline(always)]
     pub(crate) fn offset(&self, k: usize) -> Vector2<f64> {
-        Vector2::new(self.x[k], self.y[k])
-    }
-
-    /// Largest speed relative to the centre, m/s: no smooth value lies further off.
-    #[inline(always)]
-    fn largest_difference(&self) -> f64 {
-        let speeds = self.u[..self.len].iter().zip(&self.v[..self.len]);
-        speeds.map(|(u, v)| u * u + v * v).fold(0.0, f64::max).sqrt()
+        Vector2::new(self.columns.x[k], self.columns.y[k])
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.len
+        self.columns.len
     }
 
     /// Velocity of row `k` relative to the centre's, m/s.
     #[inline(always)]
     pub(crate) fn velocity(&self, k: usize) -> Vector2<f64> {
-        Vector2::new(self.u[k], self.v[k])
+        Vector2::new(self.columns.u[k], self.columns.v[k])
     }
 
     /// Sets the coefficient of row `k` in the Laplacian.
     #[inline(always)]
     pub(crate) fn set_coefficient(&mut self, k: usize, coefficient: f64) {
-        self.coefficient[k] = coefficient;
-    }
-
-    /// The neighbours.
-    pub(crate) fn index(&self) -> &[u32] {
-        &self.index[..self.len]
+        self.columns.coefficient[k] = coefficient;
     }
 
     /// Whether each is on the surface.
     pub(crate) fn on_surface(&self) -> &[bool] {
-        &self.on_surface[..self.len]
+        &self.on_surface[..self.len()]
     }
 
     /// Coefficient of each in the Laplacian; see [`Rows::laplacian`].
     pub(crate) fn coefficients(&self) -> &[f64] {
-        &self.coefficient[..self.len]
+        &self.columns.coefficient[..self.len()]
     }
 }
 
 /// Sums of the value rows: Σ w xᵃ yᵇ up to degree four, and Σ w u, Σ w u B and the same for v.
-struct Moments {
+pub(crate) struct Moments<T> {
     /// Σ w (1, x, y, x²/2, xy, y²/2)ᵀ(1, x, y, x²/2, xy, y²/2).
-    matrix: Symmetric<6>,
-    u: [f64; 6],
-    v: [f64; 6],
+    matrix: Symmetric<6, T>,
+    u: [T; 6],
+    v: [T; 6],
 }
 
-impl Moments {
+impl<T: Number> Moments<T> {
     #[inline(always)]
-    fn of(values: &Values) -> Self {
-        let n = values.len();
-        let (x, y, w) = (&values.x[..n], &values.y[..n], &values.weight[..n]);
-        let (u, v) = (&values.u[..n], &values.v[..n]);
-        let mut m = [0.0; 15];
-        let (mut mu, mut mv) = ([0.0; 6], [0.0; 6]);
+    pub(crate) fn of(columns: &Columns<T>) -> Self {
+        let n = columns.len;
+        let (x, y, w) = (&columns.x[..n], &columns.y[..n], &columns.weight[..n]);
+        let (u, v) = (&columns.u[..n], &columns.v[..n]);
+        let (zero, half, quarter) = (T::of(0.0), T::of(0.5), T::of(0.25));
+        let mut m = [zero; 15];
+        let (mut mu, mut mv) = ([zero; 6], [zero; 6]);
         for k in 0..n {
             let (x, y, w) = (x[k], y[k], w[k]);
             let (xx, xy, yy) = (x * x, x * y, y * y);
@@ -208,30 +238,30 @@ impl Moments {
             m[13] += wyy * xy;
             m[14] += wyy * yy;
             let (wu, wv) = (w * u[k], w * v[k]);
-            for (i, b) in [1.0, x, y, 0.5 * xx, xy, 0.5 * yy].into_iter().enumerate() {
+            for (i, b) in [T::of(1.0), x, y, half * xx, xy, half * yy].into_iter().enumerate() {
                 mu[i] += wu * b;
                 mv[i] += wv * b;
             }
         }
         let matrix = Symmetric([
-            [m[0], 0.0, 0.0, 0.0, 0.0, 0.0],
-            [m[1], m[3], 0.0, 0.0, 0.0, 0.0],
-            [m[2], m[4], m[5], 0.0, 0.0, 0.0],
-            [0.5 * m[3], 0.5 * m[6], 0.5 * m[7], 0.25 * m[10], 0.0, 0.0],
-            [m[4], m[7], m[8], 0.5 * m[11], m[12], 0.0],
-            [0.5 * m[5], 0.5 * m[8], 0.5 * m[9], 0.25 * m[12], 0.5 * m[13], 0.25 * m[14]],
+            [m[0], zero, zero, zero, zero, zero],
+            [m[1], m[3], zero, zero, zero, zero],
+            [m[2], m[4], m[5], zero, zero, zero],
+            [half * m[3], half * m[6], half * m[7], quarter * m[10], zero, zero],
+            [m[4], m[7], m[8], half * m[11], m[12], zero],
+            [half * m[5], half * m[8], half * m[9], quarter * m[12], half * m[13], quarter * m[14]],
         ]);
         Self { matrix, u: mu, v: mv }
     }
 
     /// Σ w B.
-    fn basis(&self) -> [f64; 5] {
+    fn basis(&self) -> [T; 5] {
         let m = &self.matrix.0;
         [m[1][0], m[2][0], m[3][0], m[4][0], m[5][0]]
     }
 
     /// Σ w B Bᵀ.
-    fn about_centre(&self) -> Symmetric<5> {
+    pub(crate) fn about_centre(&self) -> Symmetric<5, T> {
         let mut inner = Symmetric::zero();
         for i in 0..5 {
             for j in 0..=i {
@@ -243,16 +273,17 @@ impl Moments {
 
     /// The velocity fit away from walls, from the `factor` of [`Self::about_centre`].
     #[inline(always)]
-    fn velocity(&self, factor: &Factor<5>) -> VelocityFit {
+    pub(crate) fn velocity(&self, factor: &Factor<5, T>) -> VelocityFit<T> {
         let [_, u @ ..] = self.u;
         let [_, v @ ..] = self.v;
         let (u, v) = (factor.solve(&u), factor.solve(&v));
         // Were the value at the centre free too, with a weight of its own, it would change by what
         // the fit misses at the neighbours, after elimination of the other unknowns.
         let mean = self.basis();
-        let pivot = CENTRE_WEIGHT + self.matrix.0[0][0] - dot(&mean, &factor.solve(&mean));
-        let misfit = Vector2::new(self.u[0] - dot(&mean, &u), self.v[0] - dot(&mean, &v));
-        VelocityFit { u, v, roughness: misfit / pivot, singular: 0.0 }
+        let own = T::of(CENTRE_WEIGHT);
+        let pivot = own + self.matrix.0[0][0] - dot(&mean, &factor.solve(&mean));
+        let misfit = [self.u[0] - dot(&mean, &u), self.v[0] - dot(&mean, &v)];
+        VelocityFit { u, v, roughness: misfit.map(|misfit| misfit / pivot), singular: 0.0 }
     }
 }
 
@@ -343,25 +374,89 @@ pub(crate) struct Rows {
 
 /// Functionals of a pressure fit: each derivative is its dot product with
 /// Σ w B Δp + Σ w N q dx. Derivatives are per spacing and spacing².
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PressureFit {
-    pub(crate) gradient_x: [f64; 5],
-    pub(crate) gradient_y: [f64; 5],
-    pub(crate) laplacian: [f64; 5],
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PressureFit<T = f64> {
+    pub(crate) gradient_x: [T; 5],
+    pub(crate) gradient_y: [T; 5],
+    pub(crate) laplacian: [T; 5],
     /// Near a corner, for gradient and Laplacian: what Σ w S Δp, with its potential S, is
     /// multiplied with besides.
     pub(crate) singular: [f64; 3],
 }
 
 /// Coefficients of a velocity fit and how far its centre lies off it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct VelocityFit {
-    pub(crate) u: [f64; 5],
-    pub(crate) v: [f64; 5],
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct VelocityFit<T = f64> {
+    pub(crate) u: [T; 5],
+    pub(crate) v: [T; 5],
     /// Smooth value minus value at the centre; zero for any quadratic field that meets the walls.
-    pub(crate) roughness: Vector2<f64>,
+    pub(crate) roughness: [T; 2],
     /// Strength of the singular function, m/s.
     pub(crate) singular: f64,
+}
+
+impl<T: Number> Default for PressureFit<T> {
+    fn default() -> Self {
+        let zero = [T::of(0.0); 5];
+        Self { gradient_x: zero, gradient_y: zero, laplacian: zero, singular: [0.0; 3] }
+    }
+}
+
+impl<T: Number> Default for VelocityFit<T> {
+    fn default() -> Self {
+        let zero = T::of(0.0);
+        Self { u: [zero; 5], v: [zero; 5], roughness: [zero; 2], singular: 0.0 }
+    }
+}
+
+impl VelocityFit {
+    /// With a roughness of `most` (m/s) at most.
+    #[inline(always)]
+    pub(crate) fn limited(self, most: f64) -> Self {
+        let roughness = capped(Vector2::from(self.roughness), most);
+        Self { roughness: roughness.into(), ..self }
+    }
+}
+
+impl<T: Number> PressureFit<T> {
+    /// The functionals of the fit with the normal equations' `factor`.
+    #[inline(always)]
+    pub(crate) fn of(factor: &Factor<5, T>) -> Self {
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        Self {
+            gradient_x: factor.solve(&[one, zero, zero, zero, zero]),
+            gradient_y: factor.solve(&[zero, one, zero, zero, zero]),
+            laplacian: factor.solve(&[zero, zero, one, zero, one]),
+            singular: [0.0; 3],
+        }
+    }
+}
+
+impl PressureFit<Lanes> {
+    /// That of one particle.
+    #[inline(always)]
+    pub(crate) fn lane(&self, k: usize) -> PressureFit {
+        let of = |row: &[Lanes; 5]| row.map(|value| value.0[k]);
+        PressureFit {
+            gradient_x: of(&self.gradient_x),
+            gradient_y: of(&self.gradient_y),
+            laplacian: of(&self.laplacian),
+            singular: self.singular,
+        }
+    }
+}
+
+impl VelocityFit<Lanes> {
+    /// That of one particle.
+    #[inline(always)]
+    pub(crate) fn lane(&self, k: usize) -> VelocityFit {
+        VelocityFit {
+            u: self.u.map(|value| value.0[k]),
+            v: self.v.map(|value| value.0[k]),
+            roughness: self.roughness.map(|value| value.0[k]),
+            singular: self.singular,
+        }
+    }
 }
 
 /// Quality of a fit.
@@ -408,7 +503,7 @@ impl Rows {
         if self.too_few() {
             return (PressureFit::default(), VelocityFit::default(), Quality::None);
         }
-        let moments = Moments::of(&self.values);
+        let moments = Moments::of(&self.values.columns);
         let mut pressure = moments.about_centre();
         for row in &self.walls {
             pressure.add_outer(row.part * WALL_WEIGHT * bell(row.distance2()), &row.slope);
@@ -417,12 +512,7 @@ impl Rows {
         let Some(factor) = factor else {
             return (PressureFit::default(), VelocityFit::default(), Quality::None);
         };
-        let mut pressure_fit = PressureFit {
-            singular: [0.0; 3],
-            gradient_x: factor.solve(&[1.0, 0.0, 0.0, 0.0, 0.0]),
-            gradient_y: factor.solve(&[0.0, 1.0, 0.0, 0.0, 0.0]),
-            laplacian: factor.solve(&[0.0, 0.0, 1.0, 0.0, 1.0]),
-        };
+        let mut pressure_fit = PressureFit::of(&factor);
         if let Some(singular) = self.singular.as_ref().filter(|_| quality == Quality::Full) {
             self.add_singular(singular, &factor, &mut pressure_fit);
         }
@@ -438,7 +528,7 @@ impl Rows {
     fn add_singular(&self, singular: &Singular, factor: &Factor<5>, fit: &mut PressureFit) {
         let (mut column, mut diagonal) = ([0.0; 5], 0.0);
         for k in 0..self.values.len() {
-            let weighted = self.values.weight[k] * singular.potential[k];
+            let weighted = self.values.columns.weight[k] * singular.potential[k];
             for (sum, b) in column.iter_mut().zip(basis(self.values.offset(k))) {
                 *sum += weighted * b;
             }
@@ -463,13 +553,12 @@ impl Rows {
     /// `velocity` with a roughness that no smooth value exceeds.
     #[inline(always)]
     fn limited(&self, velocity: VelocityFit) -> VelocityFit {
-        let limit = self.values.largest_difference();
-        VelocityFit { roughness: velocity.roughness.cap_magnitude(limit), ..velocity }
+        velocity.limited(self.values.columns.largest_difference())
     }
 
     /// Fits the velocity alone.
     pub(crate) fn fit_velocity(&self, wall_excess: impl Fn(&WallRow) -> f64) -> VelocityFit {
-        let moments = Moments::of(&self.values);
+        let moments = Moments::of(&self.values.columns);
         if !self.walls.is_empty() {
             return self.limited(self.fit_velocity_at_walls(&moments, wall_excess));
         }
@@ -484,7 +573,7 @@ impl Rows {
     #[inline(never)]
     fn fit_velocity_at_walls(
         &self,
-        moments: &Moments,
+        moments: &Moments<f64>,
         wall_excess: impl Fn(&WallRow) -> f64,
     ) -> VelocityFit {
         let mut matrix = Symmetric::<12>::zero();
@@ -521,7 +610,7 @@ impl Rows {
                     let (mut column, mut diagonal, mut right) = ([0.0; 12], 0.0, 0.0);
                     for k in 0..self.values.len() {
                         let gradient = singular.gradient[k];
-                        let weighted = self.values.weight[k] * gradient;
+                        let weighted = self.values.columns.weight[k] * gradient;
                         let d = self.values.offset(k);
                         for (i, b) in [1.0].into_iter().chain(basis(d)).enumerate() {
                             column[i] += weighted.x * b;
@@ -540,7 +629,7 @@ impl Rows {
                     singular: strength,
                     u: [c[1], c[2], c[3], c[4], c[5]],
                     v: [c[7], c[8], c[9], c[10], c[11]],
-                    roughness: Vector2::new(c[0], c[6]),
+                    roughness: [c[0], c[6]],
                 }
             }
             None => VelocityFit::default(),
@@ -551,20 +640,14 @@ impl Rows {
     /// sum.
     #[inline(always)]
     pub(crate) fn laplacian(&mut self, fit: &PressureFit) -> f64 {
-        let l = &fit.laplacian;
-        let values = &mut self.values;
-        let n = values.len;
-        let offsets = values.x[..n].iter().zip(&values.y[..n]);
-        let weighted = offsets.zip(&values.weight[..n]);
-        for (coefficient, ((x, y), w)) in values.coefficient[..n].iter_mut().zip(weighted) {
-            *coefficient =
-                w * (x * (l[0] + 0.5 * l[2] * x + l[3] * y) + y * (l[1] + 0.5 * l[4] * y));
+        let columns = &mut self.values.columns;
+        let sum = columns.laplacian(&fit.laplacian);
+        let Some(singular) = &self.singular else { return sum };
+        let n = columns.len;
+        let rows = columns.coefficient[..n].iter_mut().zip(&columns.weight[..n]);
+        for ((coefficient, weight), potential) in rows.zip(&singular.potential) {
+            *coefficient += weight * fit.singular[2] * potential;
         }
-        if let Some(singular) = &self.singular {
-            for k in 0..n {
-                values.coefficient[k] += values.weight[k] * fit.singular[2] * singular.potential[k];
-            }
-        }
-        values.coefficients().iter().sum()
+        columns.coefficient[..n].iter().sum()
     }
 }

@@ -19,6 +19,7 @@ pub mod frame;
 mod free_surface;
 mod geometry;
 mod krylov;
+mod lanes;
 mod loads;
 mod measure;
 mod motion;

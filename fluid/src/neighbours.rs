@@ -118,10 +118,21 @@ impl Lists {
         self.start.push(self.index.len() as u32);
     }
 
+    /// Where the list of the block's point `local` is among all.
+    #[inline(always)]
+    pub(crate) fn range(&self, local: usize) -> std::ops::Range<usize> {
+        self.start[local] as usize..self.start[local + 1] as usize
+    }
+
+    /// Length of all lists together.
+    pub(crate) fn len(&self) -> usize {
+        self.index.len()
+    }
+
     /// The list of the block's point `local`.
     #[inline(always)]
     pub(crate) fn of(&self, local: usize) -> &[u32] {
-        &self.index[self.start[local] as usize..self.start[local + 1] as usize]
+        &self.index[self.range(local)]
     }
 }
 

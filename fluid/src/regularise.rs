@@ -8,6 +8,8 @@
 
 use crate::fields::Fields;
 use crate::fit::{self, Rows};
+use crate::geometry::capped;
+use crate::lanes::Number;
 use crate::small_matrix::Symmetric;
 use nalgebra::Vector2;
 
@@ -109,7 +111,7 @@ pub(crate) fn collision(
 /// Distance to the wall particle's piece if the perpendicular from the centre meets it.
 fn foot(fields: Fields, d: Vector2<f64>, normal: Vector2<f64>, w: u32) -> Option<f64> {
     let distance = -d.dot(&normal);
-    let beside = (d + distance * normal).norm();
+    let beside = (d + distance * normal).norm_squared().sqrt();
     let half_piece = 0.5 * fields.walls.length[w as usize] / fields.spacing;
     (beside <= half_piece + OVERHANG && distance > DEEPEST).then_some(distance)
 }
@@ -161,14 +163,28 @@ pub(crate) fn surface_roughness(fields: Fields, i: usize, rows: &Rows) -> f64 {
 /// lattice's; 1 on the surface.
 #[inline(always)]
 pub(crate) fn shift(fields: Fields, i: usize, rows: &Rows) -> (Vector2<f64>, f64) {
-    let (shift, crowding) = if fields.on_surface[i] {
-        (along_surface(fields, i, rows), 1.0)
-    } else {
-        let (push, closeness) = repulsion(fields, rows, false);
-        (STRENGTH * push, closeness / LATTICE_CLOSENESS)
-    };
-    let length = shift.norm();
-    (if length > LONGEST { shift * (LONGEST / length) } else { shift }, crowding)
+    if fields.on_surface[i] {
+        return (capped(along_surface(fields, i, rows), LONGEST), 1.0);
+    }
+    let (push, closeness) = repulsion(fields, rows, false);
+    inner_shift(push, closeness)
+}
+
+/// [`shift`] of an inner particle by the `push` of the particles around it and their `closeness`.
+#[inline(always)]
+pub(crate) fn inner_shift(push: Vector2<f64>, closeness: f64) -> (Vector2<f64>, f64) {
+    (capped(STRENGTH * push, LONGEST), closeness / LATTICE_CLOSENESS)
+}
+
+/// Push in spacings of a particle at offset (x, y), and how close it is, (1 − r/range)².
+#[inline(always)]
+pub(crate) fn push<T: Number>(x: T, y: T) -> ([T; 2], T) {
+    // One at the same place pushes nowhere.
+    let r = (x * x + y * y).larger(T::of(f64::MIN_POSITIVE)).sqrt();
+    let near = (T::of(1.0) - r / T::of(RANGE)).larger(T::of(0.0));
+    let closeness = near * near;
+    let force = closeness / r;
+    ([-x * force, -y * force], closeness)
 }
 
 /// Push of the neighbours, or of those on the surface only, and of mirror images in walls, in
@@ -178,16 +194,12 @@ fn repulsion(fields: Fields, rows: &Rows, of_surface_only: bool) -> (Vector2<f64
     let pushing = || (0..values.len()).filter(|&k| values.on_surface()[k] || !of_surface_only);
     let mut sum = Vector2::zeros();
     let mut close = 0.0;
-    let mut push = |d: Vector2<f64>| {
-        let r2 = d.norm_squared();
-        if r2 < RANGE * RANGE && r2 > 0.0 {
-            let r = r2.sqrt();
-            let closeness = (1.0 - r / RANGE).powi(2);
-            close += closeness;
-            sum -= d * (closeness / r);
-        }
+    let mut add = |d: Vector2<f64>| {
+        let (force, closeness) = push(d.x, d.y);
+        close += closeness;
+        sum += Vector2::from(force);
     };
-    pushing().for_each(|k| push(values.offset(k)));
+    pushing().for_each(|k| add(values.offset(k)));
     // A wall acts as a mirror: the particle's own image and those of its neighbours.
     for wall in rows.walls.iter().chain(&rows.dry_walls) {
         let d = Vector2::new(wall.basis[0], wall.basis[1]);
@@ -195,9 +207,9 @@ fn repulsion(fields: Fields, rows: &Rows, of_surface_only: bool) -> (Vector2<f64
         if distance > RANGE {
             continue;
         }
-        push(-2.0 * distance * wall.normal);
+        add(-2.0 * distance * wall.normal);
         for d in pushing().map(|k| values.offset(k)) {
-            push(d - 2.0 * (distance + d.dot(&wall.normal)) * wall.normal);
+            add(d - 2.0 * (distance + d.dot(&wall.normal)) * wall.normal);
         }
     }
     (sum, close)

@@ -2,19 +2,22 @@
 
 #![allow(clippy::needless_range_loop)] // triangles of a matrix read best by index
 
+use crate::lanes::Number;
+
 /// A symmetric positive definite matrix, later its factor L with L Lᵀ = A; the lower triangle
 /// is used.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Symmetric<const N: usize>(pub(crate) [[f64; N]; N]);
+pub(crate) struct Symmetric<const N: usize, T = f64>(pub(crate) [[T; N]; N]);
 
-impl<const N: usize> Symmetric<N> {
+impl<const N: usize, T: Number> Symmetric<N, T> {
+    #[inline(always)]
     pub(crate) fn zero() -> Self {
-        Self([[0.0; N]; N])
+        Self([[T::of(0.0); N]; N])
     }
 
     /// Adds `weight * row rowᵀ`.
     #[inline(always)]
-    pub(crate) fn add_outer(&mut self, weight: f64, row: &[f64; N]) {
+    pub(crate) fn add_outer(&mut self, weight: T, row: &[T; N]) {
         for i in 0..N {
             let scaled = weight * row[i];
             for j in 0..=i {
@@ -23,21 +26,26 @@ impl<const N: usize> Symmetric<N> {
         }
     }
 
-    /// Factorizes; `None` where a pivot falls below `threshold` times the diagonal it began as, or
-    /// a tenth of that times the trace: a direction in which there is nothing to tell.
+    /// Factorizes, and tells by how much the pivot that comes nearest to it stays above `threshold`
+    /// times the diagonal it began as or a tenth of that times the trace: not above zero, or no
+    /// number, where there is a direction in which there is nothing to tell.
     #[inline(always)]
-    pub(crate) fn factorize(mut self, threshold: f64) -> Option<Factor<N>> {
-        let trace: f64 = (0..N).map(|j| self.0[j][j]).sum();
+    pub(crate) fn factorize_with_margin(mut self, threshold: f64) -> (Factor<N, T>, T) {
+        let mut trace = self.0[0][0];
+        for j in 1..N {
+            trace += self.0[j][j];
+        }
+        let mut margin = trace;
         let a = &mut self.0;
         for j in 0..N {
             let mut pivot = a[j][j];
             for k in 0..j {
                 pivot -= a[j][k] * a[j][k];
             }
-            if pivot.is_nan() || pivot <= threshold * a[j][j].max(0.1 * trace) {
-                return None;
-            }
-            let inverse = 1.0 / pivot.sqrt();
+            let least = T::of(threshold) * a[j][j].larger(T::of(0.1) * trace);
+            // What is not a number stays so.
+            margin = margin.smaller(pivot - least);
+            let inverse = T::of(1.0) / pivot.sqrt();
             // The diagonal holds 1 / L_jj: solving then needs no division.
             a[j][j] = inverse;
             for i in j + 1..N {
@@ -48,31 +56,40 @@ impl<const N: usize> Symmetric<N> {
                 a[i][j] = value * inverse;
             }
         }
-        Some(Factor(self.0))
+        (Factor(self.0), margin)
+    }
+}
+
+impl<const N: usize> Symmetric<N> {
+    /// Factorizes; `None` where the margin is not above zero.
+    #[inline(always)]
+    pub(crate) fn factorize(self, threshold: f64) -> Option<Factor<N>> {
+        let (factor, margin) = self.factorize_with_margin(threshold);
+        (margin > 0.0).then_some(factor)
     }
 }
 
 /// The factor L, its diagonal inverted.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Factor<const N: usize>([[f64; N]; N]);
+pub(crate) struct Factor<const N: usize, T = f64>([[T; N]; N]);
 
-impl<const N: usize> Factor<N> {
+impl<const N: usize, T: Number> Factor<N, T> {
     /// Solves A x = b.
     #[inline(always)]
-    pub(crate) fn solve(&self, b: &[f64; N]) -> [f64; N] {
+    pub(crate) fn solve(&self, b: &[T; N]) -> [T; N] {
         let l = &self.0;
         let mut x = *b;
         for i in 0..N {
             for k in 0..i {
                 x[i] -= l[i][k] * x[k];
             }
-            x[i] *= l[i][i];
+            x[i] = x[i] * l[i][i];
         }
         for i in (0..N).rev() {
             for k in i + 1..N {
                 x[i] -= l[k][i] * x[k];
             }
-            x[i] *= l[i][i];
+            x[i] = x[i] * l[i][i];
         }
         x
     }

@@ -7,6 +7,7 @@
 //! becomes a gradient or a Laplacian; the later stages need not know which it is.
 
 mod conventional;
+mod plain;
 mod quadratic;
 
 use crate::fields::Fields;
@@ -57,6 +58,7 @@ const LEAST_DIAGONAL: f64 = 0.3;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
     rows: Rows,
+    plain: plain::Scratch,
 }
 
 /// Computes everything local and assembles the pressure matrix: for an inner particle i
@@ -72,23 +74,30 @@ pub(crate) fn assemble(
     let blocks = fields.position.len().div_ceil(BLOCK);
     scratch.resize_with(blocks, Scratch::default);
     matrix.blocks.resize_with(blocks, Default::default);
+    let arch = pulp::Arch::new();
     locals
         .par_chunks_mut(BLOCK)
         .zip(scratch.par_iter_mut().zip(&mut matrix.blocks))
         .enumerate()
         .for_each(|(block, (locals, (scratch, matrix)))| {
+            // With the widest instructions that the processor has.
+            arch.dispatch(plain::Task { fields, block, locals, scratch: &mut scratch.plain });
             matrix.clear();
             let rows = &mut scratch.rows;
             for (offset, local) in locals.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
-                gather(fields, i, rows);
-                *local = evaluate(fields, i, rows);
+                let coefficients = match scratch.plain.coefficients(fields, block, offset) {
+                    Some(coefficients) => coefficients,
+                    None => {
+                        gather(fields, i, rows);
+                        *local = evaluate(fields, i, rows);
+                        rows.values.coefficients()
+                    }
+                };
                 if !fields.on_surface[i] && local.diagonal > 0.0 {
                     let scale = -1.0 / local.diagonal;
-                    let values = &rows.values;
-                    let entries = values.index().iter().zip(values.coefficients());
-                    for ((&j, a), &known) in entries.zip(values.on_surface()) {
-                        if !known {
+                    for (&j, a) in fields.fluid.of(i).iter().zip(coefficients) {
+                        if !fields.on_surface[j as usize] {
                             matrix.push(j, a * scale);
                         }
                     }
@@ -161,23 +170,39 @@ impl Default for Derivatives {
     }
 }
 
-/// The derivatives around a particle; `excess(w)` is n·(U_w − u_i).
-#[inline(always)]
-fn derive(fields: Fields, rows: &mut Rows, excess: impl Fn(&WallRow) -> f64) -> Derivatives {
-    match fields.discretisation {
-        Discretisation::Quadratic => quadratic::derive(rows, excess),
-        Discretisation::Conventional => conventional::derive(fields, rows, excess),
-    }
-}
-
 #[inline(always)]
 fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
     let own = fields.velocity[i];
     let excess = |row: &WallRow| row.normal.dot(&(fields.walls.velocity[row.index as usize] - own));
-    let derivatives = derive(fields, rows, excess);
+    let derivatives = match fields.discretisation {
+        Discretisation::Quadratic => quadratic::derive(rows, excess),
+        Discretisation::Conventional => conventional::derive(fields, rows, excess),
+    };
+    let velocity = derivatives.velocity;
+    let (shift, crowding) = regularise::shift(fields, i, rows);
+    let mut local = local(fields, derivatives, shift, crowding);
+    if let Some(singular) = &rows.singular {
+        let corner = &fields.walls.corners[singular.corner as usize];
+        let scale = 1.0 / fields.spacing;
+        let from = (fields.position[i] - corner.position) * scale;
+        local.shift_velocity +=
+            (corner.gradient(from + shift) - corner.gradient(from)) * velocity.singular;
+        local.corner = Some(singular.corner);
+    }
+    local.filter = regularise::filter(fields, i, rows);
+    local.contacts = regularise::contacts(fields, rows);
+    if fields.on_surface[i] {
+        local.surface_roughness =
+            fields.normal[i] * (regularise::surface_roughness(fields, i, rows) * fields.spacing);
+    }
+    local
+}
+
+/// What follows from the `derivatives` and the `shift` (spacings), away from walls and surface.
+#[inline(always)]
+fn local(fields: Fields, derivatives: Derivatives, shift: Vector2<f64>, crowding: f64) -> Local {
     let Derivatives { pressure, velocity_gradient, velocity, diagonal, quality } = derivatives;
     let scale = 1.0 / fields.spacing;
-    let (shift, crowding) = regularise::shift(fields, i, rows);
     let basis = fit::basis(shift);
     Local {
         pressure,
@@ -186,25 +211,16 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
             velocity.u[2] + velocity.u[4],
             velocity.v[2] + velocity.v[4],
         ) * (scale * scale),
-        roughness: velocity.roughness,
+        roughness: velocity.roughness.into(),
         shift: shift * fields.spacing,
-        shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v))
-            + rows.singular.as_ref().map_or_else(Vector2::zeros, |singular| {
-                let corner = &fields.walls.corners[singular.corner as usize];
-                let from = (fields.position[i] - corner.position) * scale;
-                (corner.gradient(from + shift) - corner.gradient(from)) * velocity.singular
-            }),
+        shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v)),
         diagonal: if diagonal > LEAST_DIAGONAL { diagonal } else { 0.0 },
         quality,
         crowding,
-        filter: regularise::filter(fields, i, rows),
-        contacts: regularise::contacts(fields, rows),
-        corner: rows.singular.as_ref().map(|singular| singular.corner),
-        surface_roughness: if fields.on_surface[i] {
-            fields.normal[i] * (regularise::surface_roughness(fields, i, rows) * fields.spacing)
-        } else {
-            Vector2::zeros()
-        },
+        filter: 1.0,
+        contacts: [None; 2],
+        corner: None,
+        surface_roughness: Vector2::zeros(),
     }
 }
 
@@ -227,8 +243,15 @@ pub(crate) fn divergences(
                 gather(fields, i, rows);
                 let own = fields.velocity[i];
                 let excess = |row: &WallRow| wall(row.index as usize) - row.normal.dot(&own);
-                let gradient = derive(fields, rows, excess).velocity_gradient;
-                *divergence = gradient.trace() / fields.spacing;
+                *divergence = match fields.discretisation {
+                    Discretisation::Quadratic => {
+                        let fit = rows.fit_velocity(excess);
+                        fit.u[0] + fit.v[1]
+                    }
+                    Discretisation::Conventional => {
+                        conventional::derive(fields, rows, excess).velocity_gradient.trace()
+                    }
+                } / fields.spacing;
             }
         }
     });

@@ -9,7 +9,7 @@
 //! pressure that answers to it out of the loads. The water keeps its pressure, which holds such
 //! divergence down.
 
-use super::Fluid;
+use super::{Fluid, UNIT_TOLERANCE};
 use crate::error::FluidError;
 use crate::neighbours::BLOCK;
 use crate::operators;
@@ -18,9 +18,6 @@ use crate::pressure::solver::PreconditionerKind;
 use crate::sparse::Preconditioner;
 use crate::walls::Owner;
 use rayon::prelude::*;
-
-/// Tolerance of this pressure, a few per cent of the whole, in pressure tolerances.
-const TOLERANCE: f64 = 50.0;
 
 impl Fluid {
     /// Measures the divergence that the step of `h` (s) leaves in the particles whose fits a
@@ -100,7 +97,7 @@ impl Fluid {
             }
         });
         let mut stop = self.stop(&settings, self.divergence_per_residual(h));
-        stop.relative *= TOLERANCE;
+        stop.relative *= UNIT_TOLERANCE;
         let mut diagonal = Preconditioner::default();
         let preconditioner = match settings.preconditioner {
             PreconditionerKind::Milu => {
