@@ -61,6 +61,7 @@ impl pulp::NullaryFnOnce for Task<'_> {
 #[inline(always)]
 fn evaluate(fields: Fields, block: usize, locals: &mut [Local], scratch: &mut Scratch) {
     let Scratch { columns, plain, done, coefficient } = scratch;
+    plain.clear();
     done.clear();
     done.resize(locals.len(), false);
     if fields.discretisation != Discretisation::Quadratic {
@@ -73,7 +74,6 @@ fn evaluate(fields: Fields, block: usize, locals: &mut [Local], scratch: &mut Sc
         let enough = (fit::FEWEST..=fit::MOST).contains(&lists.of(*offset).len());
         enough && !fields.on_surface[i] && fields.wall_lists.of(i).is_empty()
     };
-    plain.clear();
     plain.extend((0..locals.len()).filter(is_plain));
     for batch in plain.chunks(LANES) {
         // A short batch repeats its last particle.
