@@ -9,7 +9,7 @@
 //! pressure that answers to it out of the loads. The water keeps its pressure, which holds such
 //! divergence down.
 
-use super::{Fluid, UNIT_TOLERANCE};
+use super::Fluid;
 use crate::error::FluidError;
 use crate::neighbours::BLOCK;
 use crate::operators;
@@ -96,8 +96,7 @@ impl Fluid {
                 *solution = or_nought(particles.repeated_pressure[i][0]);
             }
         });
-        let mut stop = self.stop(&settings, self.divergence_per_residual(h));
-        stop.relative *= UNIT_TOLERANCE;
+        let stop = self.stop(&settings, self.divergence_per_residual(h));
         let mut diagonal = Preconditioner::default();
         let preconditioner = match settings.preconditioner {
             PreconditionerKind::Milu => {
