@@ -121,7 +121,10 @@ impl<const R: usize> Krylov<R> {
                 *r = std::array::from_fn(|k| b[i][k] - r[k]);
                 add_product(sum, *r, *r);
             });
-            let excess = (0..R).map(|k| (r2[k] / goal[k]).sqrt()).fold(0.0, f64::max);
+            // What is no number is not converged.
+            let of = |k: usize| if r2[k] == 0.0 { 0.0 } else { (r2[k] / goal[k]).sqrt() };
+            let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
+            let excess = (0..R).map(of).reduce(larger).unwrap_or(0.0);
             report.residual = excess * stop.relative;
             report.residual_rms = (r2[0] / n as f64).sqrt();
             if report.iterations == 0 {

@@ -161,7 +161,7 @@ impl Fluid {
     /// # Errors
     /// [`FluidError::PressureNotConverged`].
     pub(crate) fn loads_at_zero_acceleration(&mut self, h: f64) -> Result<(), FluidError> {
-        self.repeated_pressure(h)?;
+        self.solve_repeated_pressure(h)?;
         let mut wall_pressure = std::mem::take(&mut self.work.wall_pressure);
         let fields = Self::fields(&self.setup, &self.state.particles, &self.walls, &self.work);
         let water = &self.setup.water;

@@ -59,8 +59,8 @@ impl Fluid {
         (!covered(Point2::new(x, height))).then_some(height - self.setup.water.depth)
     }
 
-    /// Total pressure at `point` over the last step, Pa: a quadratic fit to the particles around.
-    /// `None` outside the water.
+    /// Total pressure at `point` over the last step, Pa, near bodies less what is no load: a quadratic
+    /// fit to the particles around. `None` outside the water.
     #[must_use]
     pub fn pressure_at(&self, point: Point2<f64>) -> Option<f64> {
         let water = &self.setup.water;

@@ -5,7 +5,7 @@ use crate::fit;
 use crate::fluid::Fluid;
 use crate::geometry::{nearest_on_outline, placed_corners, signed_area, signed_distance};
 use crate::neighbours::BLOCK;
-use crate::operators;
+use crate::operators::{self, Local};
 use crate::plan::Stage;
 use crate::regularise;
 use nalgebra::Vector2;
@@ -14,6 +14,9 @@ use rayon::prelude::*;
 /// Rate of the filter in units of sqrt(g / dx): the part of the roughness that a step takes away is
 /// this rate times the step.
 const FILTER_RATE: f64 = 2.0;
+
+/// Part of the roughness that a step takes away at most.
+const MOST_FILTERED: f64 = 0.5;
 
 /// Part of the particles that may be lost before a run counts as unstable.
 const MOST_LOST: f64 = 0.01;
@@ -131,6 +134,16 @@ impl Fluid {
         }
     }
 
+    /// Rate of the filter, 1/s.
+    fn filter_rate(&self) -> f64 {
+        FILTER_RATE * (self.setup.water.gravity / self.setup.numerics.particle_spacing).sqrt()
+    }
+
+    /// Part of the roughness of a particle that the filter takes away in a step of `h` (s).
+    pub(crate) fn filter_part(&self, local: &Local, h: f64) -> f64 {
+        (self.filter_rate() * h * local.filter).min(MOST_FILTERED)
+    }
+
     /// Lets particles collide, shifts them, their velocity with them, and filters what no fit can
     /// resolve.
     pub(crate) fn regularise(&mut self, h: f64) {
@@ -138,14 +151,13 @@ impl Fluid {
             self.collide(h);
         }
         let spacing = self.setup.numerics.particle_spacing;
-        let rate = FILTER_RATE * (self.setup.water.gravity / spacing).sqrt();
-        let part = rate * h;
+        let most = self.filter_rate() * h;
         let particles = &mut self.state.particles;
         for ((x, u), local) in
             particles.position.iter_mut().zip(&mut particles.velocity).zip(&self.work.locals)
         {
             *x += local.shift;
-            let part = (part * local.filter).min(0.5);
+            let part = (most * local.filter).min(MOST_FILTERED);
             *x += local.surface_roughness * part;
             *u += local.shift_velocity + local.roughness * part;
             let (velocity, back) = regularise::collide(*u, local.contacts, spacing, h);

@@ -14,9 +14,9 @@ pub(crate) struct Particles {
     pub(crate) pressure: Vec<f64>,
     /// Change of the dynamic pressure over the last step, Pa.
     pub(crate) pressure_change: Vec<f64>,
-    /// Divergence that the last step has left in the velocity near bodies, 1/s; see
+    /// Divergence near bodies that the last step's pressure asked for in vain, 1/s; see
     /// [`crate::pressure::repeated`].
-    pub(crate) divergence_left: Vec<f64>,
+    pub(crate) vain_divergence: Vec<f64>,
     /// Part of the last step's pressure that is no load, Pa; see [`crate::pressure::repeated`].
     pub(crate) repeated_pressure: Vec<[f64; 1]>,
     /// Whether the particle is on the free surface.
@@ -33,7 +33,7 @@ impl Particles {
             velocity: vec![Vector2::zeros(); count],
             pressure: vec![0.0; count],
             pressure_change: vec![0.0; count],
-            divergence_left: vec![0.0; count],
+            vain_divergence: vec![0.0; count],
             repeated_pressure: vec![[0.0]; count],
             identity: (0..count as u32).collect(),
             position,

@@ -24,7 +24,7 @@ pub enum Stage {
     Pressure,
     /// The pressure of unit accelerations of the free boundaries.
     AddedMass,
-    /// Loads on the boundaries, Eqs. (19) and (20).
+    /// Loads on the boundaries, Eqs. (19) and (20), and the part of the pressure that is none.
     Loads,
     /// Velocity and position, Eqs. (10) to (12).
     Correct,

@@ -153,7 +153,7 @@ impl Fluid {
         particles.velocity.push(velocity);
         particles.pressure.push(pressure);
         particles.pressure_change.push(change);
-        particles.divergence_left.push(0.0);
+        particles.vain_divergence.push(0.0);
         particles.repeated_pressure.push([0.0]);
         particles.on_surface.push(true);
         particles.identity.push(self.state.next_identity);
@@ -184,7 +184,7 @@ impl Fluid {
         permute(&mut particles.velocity, order, &mut work.scratch_vectors);
         permute(&mut particles.pressure, order, &mut work.scratch_numbers);
         permute(&mut particles.pressure_change, order, &mut work.scratch_numbers);
-        permute(&mut particles.divergence_left, order, &mut work.scratch_numbers);
+        permute(&mut particles.vain_divergence, order, &mut work.scratch_numbers);
         permute(&mut particles.repeated_pressure, order, &mut work.scratch_pressures);
         permute(&mut particles.on_surface, order, &mut work.scratch_flags);
         permute(&mut particles.identity, order, &mut work.scratch_identities);

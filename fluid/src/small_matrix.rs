@@ -43,7 +43,7 @@ impl<const N: usize, T: Number> Symmetric<N, T> {
                 pivot -= a[j][k] * a[j][k];
             }
             let least = T::of(threshold) * a[j][j].larger(T::of(0.1) * trace);
-            // What is not a number stays so.
+            // A pivot that is no number makes all that follow none, the last of which decides.
             margin = margin.smaller(pivot - least);
             let inverse = T::of(1.0) / pivot.sqrt();
             // The diagonal holds 1 / L_jj: solving then needs no division.

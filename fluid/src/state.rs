@@ -73,6 +73,7 @@ pub(crate) struct Work {
     pub(crate) solution: Vec<[f64; 1]>,
     /// Part of the pressure that is no load, Pa; see [`crate::pressure::repeated`].
     pub(crate) repeated: Vec<[f64; 1]>,
+    pub(crate) repeated_rhs: Vec<[f64; 1]>,
     pub(crate) krylov: Krylov<1>,
     /// Inner particles that bodies reach, directly or over a neighbour.
     pub(crate) near_body: Vec<bool>,
@@ -109,6 +110,7 @@ impl Work {
         self.rhs.resize(count, [0.0]);
         self.solution.resize(count, [0.0]);
         self.repeated.resize(count, [0.0]);
+        self.repeated_rhs.resize(count, [0.0]);
         self.near_body.resize(count, false);
         self.pressure.resize(count, 0.0);
         if !self.unit_solution.is_empty() {

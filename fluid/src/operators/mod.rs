@@ -363,6 +363,32 @@ pub(crate) fn gradient(
     pressure: &[f64],
     neumann: &[f64; 5],
 ) -> Vector2<f64> {
+    let [x, y, _] = derivatives_of(fields, i, local, pressure, neumann);
+    Vector2::new(x, y) / fields.spacing
+}
+
+/// Laplacian of `pressure` at particle `i`, Pa/m², as [`gradient`].
+#[inline(always)]
+pub(crate) fn laplacian(
+    fields: Fields,
+    i: usize,
+    local: &Local,
+    pressure: &[f64],
+    neumann: &[f64; 5],
+) -> f64 {
+    let [_, _, laplacian] = derivatives_of(fields, i, local, pressure, neumann);
+    laplacian / (fields.spacing * fields.spacing)
+}
+
+/// ∂p/∂x and ∂p/∂y per spacing and ∇²p per spacing² at particle `i`.
+#[inline(always)]
+fn derivatives_of(
+    fields: Fields,
+    i: usize,
+    local: &Local,
+    pressure: &[f64],
+    neumann: &[f64; 5],
+) -> [f64; 3] {
     let scale = 1.0 / fields.spacing;
     let sum = match fields.discretisation {
         Discretisation::Quadratic => add_values(fields, i, pressure, neumann, quadratic::value_row),
@@ -370,21 +396,22 @@ pub(crate) fn gradient(
             add_values(fields, i, pressure, neumann, conventional::value_row)
         }
     };
-    let mut gradient = Vector2::new(
-        fit::dot(&local.pressure.gradient_x, &sum),
-        fit::dot(&local.pressure.gradient_y, &sum),
-    );
+    let fit = &local.pressure;
+    let mut found =
+        [&fit.gradient_x, &fit.gradient_y, &fit.laplacian].map(|row| fit::dot(row, &sum));
     if local.corner.is_some() {
         let potential = potential_from(fields, i, local);
-        let [x, y, _] = local.pressure.singular;
         for &j in fields.fluid.of(i) {
             let j = j as usize;
             let d = (fields.position[j] - fields.position[i]) * scale;
             let weight = fit::weight(d.norm_squared());
-            gradient += Vector2::new(x, y) * (weight * potential(j) * (pressure[j] - pressure[i]));
+            let weighted = weight * potential(j) * (pressure[j] - pressure[i]);
+            for (found, strength) in found.iter_mut().zip(fit.singular) {
+                *found += strength * weighted;
+            }
         }
     }
-    gradient * scale
+    found
 }
 
 /// Potential of the corner near particle `i` at a particle less that at `i`; nought without one.
