@@ -448,3 +448,48 @@ fn add_values(
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fluid::Fluid;
+    use crate::tests::{bodies, scatter};
+
+    /// All numbers of what is found around a particle.
+    fn numbers(local: &Local, coefficients: &[f64]) -> Vec<u64> {
+        let fit = &local.pressure;
+        let vectors = [local.laplacian_of_velocity, local.roughness, local.shift];
+        let single = [local.diagonal, local.crowding, local.filter];
+        let all = fit.gradient_x.iter().chain(&fit.gradient_y).chain(&fit.laplacian);
+        let all = all.chain(local.velocity_gradient.iter()).chain(local.shift_velocity.iter());
+        let all = all.chain(vectors.iter().flatten()).chain(&single).chain(coefficients);
+        all.map(|number| number.to_bits()).collect()
+    }
+
+    #[test]
+    fn particles_side_by_side_get_the_bits_that_each_gets_alone() {
+        let mut fluid = bodies::fluid();
+        for (i, x) in fluid.state.particles.position.iter_mut().enumerate() {
+            let i = i as i64;
+            *x += Vector2::new(scatter(i, 1), scatter(1, i)) * 0.002;
+            fluid.state.particles.velocity[i as usize] = Vector2::new(scatter(i, 2), scatter(2, i));
+        }
+        fluid.neighbours(0.0);
+        fluid.operators();
+        let fields = Fluid::fields(&fluid.setup, &fluid.state.particles, &fluid.walls, &fluid.work);
+        let mut rows = Rows::default();
+        let mut together = 0;
+        for (i, local) in fluid.work.locals.iter().enumerate() {
+            let (block, offset) = (i / BLOCK, i % BLOCK);
+            let plain = &fluid.work.scratch[block].plain;
+            let Some(coefficients) = plain.coefficients(fields, block, offset) else { continue };
+            gather(fields, i, &mut rows);
+            let alone = evaluate(fields, i, &mut rows);
+            let of_alone = numbers(&alone, rows.values.coefficients());
+            assert_eq!(numbers(local, coefficients), of_alone, "particle {i}");
+            together += 1;
+        }
+        assert!(together > 100, "{together} of {}", fluid.work.locals.len());
+        assert_ne!(together % crate::lanes::LANES, 0, "one batch is to be short");
+    }
+}

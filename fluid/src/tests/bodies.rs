@@ -16,7 +16,7 @@ use seakeep_coupler::interface::BoundaryKinematics;
 const SPACING: f64 = 0.02;
 
 /// A box of 0.2 m by 0.12 m that floats in a small tank, at an angle and moving.
-fn fluid() -> Fluid {
+pub(crate) fn fluid() -> Fluid {
     let corner = |x, y| Vector2::new(x, y);
     let setup = FluidSetup {
         tank: Tank { length: 1.0, height: 0.4, paddle: None },
