@@ -11,7 +11,7 @@ pub(crate) fn cross(a: Vector2<f64>, b: Vector2<f64>) -> f64 {
 /// `vector`, or one of length `most` in its direction if it is longer.
 #[inline(always)]
 pub(crate) fn capped(vector: Vector2<f64>, most: f64) -> Vector2<f64> {
-    // nalgebra's norm calls a portable square root, ten times as slow in the middle of other sums.
+    // nalgebra's norm calls a portable square root, which cannot be worked into the sums around it.
     let size = vector.norm_squared().sqrt();
     if size > most { vector * (most / size) } else { vector }
 }
