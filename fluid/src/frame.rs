@@ -381,9 +381,16 @@ impl Fluid {
         let exact = self.exact_pressure(h)?;
         let mut product = vec![[0.0]; start.len()];
         let rhs = &self.work.rhs;
-        self.work.matrix.multiply::<1, 1>(&start, &mut product, &mut Vec::new(), |i, r, _| {
-            r[0] = rhs[i][0] - r[0];
-        });
+        let rows = 0..start.len();
+        self.work.matrix.multiply::<1, 1>(
+            rows,
+            &start,
+            &mut product,
+            &mut Vec::new(),
+            |i, r, _| {
+                r[0] = rhs[i][0] - r[0];
+            },
+        );
         let particles = &self.state.particles;
         let mut frame = Frame::of(&Assembled {
             scales: self.scales(h),

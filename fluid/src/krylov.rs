@@ -5,11 +5,22 @@
 //! fixed order.
 
 use crate::neighbours::BLOCK;
-use crate::sparse::{Entry, Preconditioner, SparseMatrix, total};
+use crate::preconditioner::Preconditioner;
+use crate::sparse::{Entry, SparseMatrix, total};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Blocks that one task treats at least in a pass over vectors.
 const TASK: usize = 8;
+
+/// The equations to solve.
+pub(crate) struct System<'a> {
+    pub(crate) matrix: &'a SparseMatrix,
+    pub(crate) preconditioner: &'a mut Preconditioner,
+    /// The rows of the equations, of whole blocks and of whole slabs of the preconditioner: all, or some
+    /// with nought in all others.
+    pub(crate) rows: Range<usize>,
+}
 
 /// When to stop, for each right-hand side.
 #[derive(Clone, Copy, Debug)]
@@ -83,25 +94,32 @@ fn add_product<const R: usize>(sum: &mut Entry<R>, a: Entry<R>, b: Entry<R>) {
 }
 
 impl<const R: usize> Krylov<R> {
-    /// Solves A x = b from the guess in `x`.
+    /// Solves A x = b in the rows of the `system`, from the guess in `x`, and sets x to nought in all
+    /// others.
     pub(crate) fn solve(
         &mut self,
-        matrix: &SparseMatrix,
-        preconditioner: &mut Preconditioner,
+        mut system: System<'_>,
         b: &[Entry<R>],
         x: &mut [Entry<R>],
         stop: Stop,
     ) -> Report {
-        let n = b.len();
+        let (matrix, rows) = (system.matrix, system.rows.clone());
         for vector in
             [&mut self.r, &mut self.shadow, &mut self.p, &mut self.v, &mut self.z, &mut self.t]
         {
-            vector.resize(n, [0.0; R]);
+            vector.resize(b.len(), [0.0; R]);
         }
+        // Those that a product or a slab reaches over the rows' ends into.
+        for vector in [&mut *x, &mut self.r, &mut self.p, &mut self.z] {
+            vector[..rows.start].fill([0.0; R]);
+            vector[rows.end..].fill([0.0; R]);
+        }
+        let n = rows.len();
         let floor = stop.absolute * stop.absolute * n as f64;
         let sums = &mut self.sums.one;
         sums.resize(n.div_ceil(BLOCK), [[0.0; R]]);
-        sums.par_iter_mut().zip(b.par_chunks(BLOCK)).with_min_len(TASK).for_each(|(sum, b)| {
+        let blocks = b[rows.clone()].par_chunks(BLOCK);
+        sums.par_iter_mut().zip(blocks).with_min_len(TASK).for_each(|(sum, b)| {
             let mut own = [0.0; R];
             b.iter().for_each(|b| add_product(&mut own, *b, *b));
             *sum = [own];
@@ -117,7 +135,8 @@ impl<const R: usize> Krylov<R> {
         // Rounding makes the recursive residual drift from the true one: restart from the true
         // residual until that meets the goal.
         loop {
-            let [r2] = matrix.multiply(x, &mut self.r, &mut self.sums.one, |i, r, [sum]| {
+            let (r, sums) = (&mut self.r, &mut self.sums.one);
+            let [r2] = matrix.multiply(rows.clone(), x, r, sums, |i, r, [sum]| {
                 *r = std::array::from_fn(|k| b[i][k] - r[k]);
                 add_product(sum, *r, *r);
             });
@@ -135,7 +154,7 @@ impl<const R: usize> Krylov<R> {
                 return report;
             }
             let before = report.iterations;
-            self.cycle(matrix, preconditioner, x, r2, goal, stop, &mut report);
+            self.cycle(&mut system, x, r2, goal, stop, &mut report);
             if report.iterations == before {
                 return report;
             }
@@ -143,11 +162,9 @@ impl<const R: usize> Krylov<R> {
     }
 
     /// Iterates until the recursive residual meets the goal or breaks down.
-    #[allow(clippy::too_many_arguments)] // the state of one solve
     fn cycle(
         &mut self,
-        matrix: &SparseMatrix,
-        preconditioner: &mut Preconditioner,
+        system: &mut System<'_>,
         x: &mut [Entry<R>],
         r2: Entry<R>,
         goal: Entry<R>,
@@ -155,27 +172,29 @@ impl<const R: usize> Krylov<R> {
         report: &mut Report,
     ) {
         let Self { r, shadow, p, v, z, t, sums } = self;
+        let System { matrix, preconditioner, rows } = system;
+        let rows = &*rows;
         shadow.copy_from_slice(r);
         p.copy_from_slice(r);
         let mut rho = r2;
         while report.iterations < stop.iterations {
             report.iterations += 1;
-            preconditioner.apply(p, z);
-            let [shadow_v] = matrix.multiply(z, v, &mut sums.one, |i, v, [sum]| {
+            preconditioner.apply(rows.clone(), p, z);
+            let [shadow_v] = matrix.multiply(rows.clone(), z, v, &mut sums.one, |i, v, [sum]| {
                 add_product(sum, shadow[i], *v);
             });
             let alpha = quotient(rho, shadow_v);
-            step(x, z, alpha, r, v);
-            preconditioner.apply(r, z);
-            let [tr, tt] = matrix.multiply(z, t, &mut sums.two, |i, t, [tr, tt]| {
+            step(rows, (x, z), alpha, (r, v));
+            preconditioner.apply(rows.clone(), r, z);
+            let [tr, tt] = matrix.multiply(rows.clone(), z, t, &mut sums.two, |i, t, [tr, tt]| {
                 add_product(tr, *t, r[i]);
                 add_product(tt, *t, *t);
             });
             let omega = quotient(tr, tt);
-            step(x, z, omega, r, t);
+            step(rows, (x, z), omega, (r, t));
             sums.two
                 .par_iter_mut()
-                .zip(r.par_chunks(BLOCK).zip(shadow.par_chunks(BLOCK)))
+                .zip(of(r, rows).zip(of(shadow, rows)))
                 .with_min_len(TASK)
                 .for_each(|(sum, (r, shadow))| {
                     let mut own = [[0.0; R]; 2];
@@ -197,8 +216,9 @@ impl<const R: usize> Krylov<R> {
                 return;
             }
             rho = next;
-            p.par_chunks_mut(BLOCK)
-                .zip(r.par_chunks(BLOCK).zip(v.par_chunks(BLOCK)))
+            p[rows.clone()]
+                .par_chunks_mut(BLOCK)
+                .zip(of(r, rows).zip(of(v, rows)))
                 .with_min_len(TASK)
                 .for_each(|(p, (r, v))| {
                     for ((p, r), v) in p.iter_mut().zip(r).zip(v) {
@@ -211,17 +231,25 @@ impl<const R: usize> Krylov<R> {
     }
 }
 
-/// x += a z and r −= a v.
+/// The blocks of `vector` in `rows`.
+fn of<'a, const R: usize>(
+    vector: &'a [Entry<R>],
+    rows: &Range<usize>,
+) -> rayon::slice::Chunks<'a, Entry<R>> {
+    vector[rows.clone()].par_chunks(BLOCK)
+}
+
+/// x += a z and r −= a v in `rows`.
 fn step<const R: usize>(
-    x: &mut [Entry<R>],
-    z: &[Entry<R>],
+    rows: &Range<usize>,
+    (x, z): (&mut [Entry<R>], &[Entry<R>]),
     a: Entry<R>,
-    r: &mut [Entry<R>],
-    v: &[Entry<R>],
+    (r, v): (&mut [Entry<R>], &[Entry<R>]),
 ) {
-    x.par_chunks_mut(BLOCK)
-        .zip(z.par_chunks(BLOCK))
-        .zip(r.par_chunks_mut(BLOCK).zip(v.par_chunks(BLOCK)))
+    x[rows.clone()]
+        .par_chunks_mut(BLOCK)
+        .zip(of(z, rows))
+        .zip(r[rows.clone()].par_chunks_mut(BLOCK).zip(of(v, rows)))
         .with_min_len(TASK)
         .for_each(|((x, z), (r, v))| {
             for ((x, z), (r, v)) in x.iter_mut().zip(z).zip(r.iter_mut().zip(v)) {

@@ -29,6 +29,7 @@ mod observe;
 mod operators;
 mod particles;
 mod plan;
+mod preconditioner;
 mod pressure;
 mod regularise;
 mod resample;

@@ -12,19 +12,22 @@ use crate::krylov::Stop;
 use crate::neighbours::BLOCK;
 use crate::network::{Inference, Network};
 use crate::operators::{self, Local};
-use crate::sparse::Preconditioner;
 use crate::walls::Owner;
+use nalgebra::Point2;
 use network::NetworkSolver;
 use poisson::{Poisson, require_convergence};
 use rayon::prelude::*;
 use solver::{
-    PreconditionerKind, PressureMemory, PressureReport, PressureSettings, PressureSolver, Problem,
-    SolverKind, Start,
+    PressureMemory, PressureReport, PressureSettings, PressureSolver, Problem, SolverKind, Start,
 };
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Tolerance of the pressure of unit accelerations, in pressure tolerances.
 const UNIT_TOLERANCE: f64 = 10.0;
+/// How far from a body its pressure of unit accelerations is looked for, in depths. The slowest mode of
+/// one that is nought on the surface falls as exp(−πx/2D): to 8e-5, and what would come back from there to 6e-9.
+const BODY_REACH: f64 = 6.0;
 /// Largest relative volume error that Eq. (9b) feeds back.
 const LARGEST_FEEDBACK: f64 = 0.01;
 /// Density of the particles, relative to a lattice's, that counts as even: more varies in smooth
@@ -123,21 +126,31 @@ impl Fluid {
             // Its error enters times the acceleration, and the next step starts from it.
             let mut stop = self.stop(&settings, f64::INFINITY);
             stop.relative *= if self.state.step == 0 { 1e-2 } else { UNIT_TOLERANCE };
-            let mut diagonal = Preconditioner::default();
-            let preconditioner = match settings.preconditioner {
-                PreconditionerKind::Milu => {
-                    self.state.pressure.preconditioner(&self.work.matrix, self.state.step)
-                }
-                PreconditionerKind::Diagonal => &mut diagonal,
-            };
-            let krylov = &mut self.work.unit_krylov;
-            let report = krylov.solve(&self.work.matrix, preconditioner, &rhs, &mut solution, stop);
+            let rows = self.rows_around(|b| b == boundary);
+            let (kind, step) = (settings.preconditioner, self.state.step);
+            let system = self.state.pressure.system(kind, &self.work.matrix, rows, step);
+            let report = self.work.unit_krylov.solve(system, &rhs, &mut solution, stop);
             self.work.unit_rhs = rhs;
             self.work.unit_solution[slot] = solution;
             self.unit_report = report;
             require_convergence(report, stop)?;
         }
         Ok(())
+    }
+
+    /// The rows of the particles that the pressure of a boundary for which `of` holds reaches.
+    fn rows_around(&self, of: impl Fn(usize) -> bool) -> Range<usize> {
+        let reach = BODY_REACH * self.setup.water.depth;
+        let boundaries = (0..self.setup.boundaries.len()).filter(|&b| of(b));
+        let walls = boundaries.flat_map(|b| self.walls.of_boundary(b));
+        let (low, high) = walls
+            .map(|w| self.walls.position[w].x)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let within = |x: &Point2<f64>| x.x > low - reach && x.x < high + reach;
+        let position = &self.work.position;
+        // Particles are numbered along the tank, so that few others are among them.
+        let first = position.iter().position(within).unwrap_or(0);
+        first..position.iter().rposition(within).map_or(first, |last| last + 1)
     }
 
     /// When a solve ends whose residual of 1 Pa is worth `divergence_per_residual` (1/s).

@@ -3,10 +3,9 @@
 use crate::error::FluidError;
 use crate::krylov::{Krylov, Report, Stop};
 use crate::pressure::solver::{
-    PreconditionerKind, PressureReport, PressureSettings, PressureSolver, Problem, SolverKind,
-    Start,
+    PressureReport, PressureSettings, PressureSolver, Problem, SolverKind, Start,
 };
-use crate::sparse::{Entry, Preconditioner};
+use crate::sparse::Entry;
 use std::time::Instant;
 
 /// Solves the pressure Poisson equation.
@@ -14,7 +13,6 @@ use std::time::Instant;
 pub(crate) struct Poisson {
     settings: PressureSettings,
     krylov: Krylov<1>,
-    diagonal: Preconditioner,
     product: Vec<[f64; 1]>,
     sums: Vec<[Entry<1>; 2]>,
 }
@@ -68,12 +66,10 @@ impl PressureSolver for Poisson {
                 }
             }
         }
-        let preconditioner = match self.settings.preconditioner {
-            PreconditionerKind::Milu => problem.memory.preconditioner(problem.matrix, problem.step),
-            PreconditionerKind::Diagonal => &mut self.diagonal,
-        };
-        let (matrix, stop) = (problem.matrix, problem.stop);
-        let report = self.krylov.solve(matrix, preconditioner, problem.rhs, problem.pressure, stop);
+        let (stop, rows) = (problem.stop, 0..problem.rhs.len());
+        let kind = self.settings.preconditioner;
+        let system = problem.memory.system(kind, problem.matrix, rows, problem.step);
+        let report = self.krylov.solve(system, problem.rhs, problem.pressure, stop);
         if self.settings.solver == SolverKind::Capped {
             return Ok(self.sweeps(&mut problem, report, begun));
         }

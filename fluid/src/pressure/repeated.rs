@@ -15,8 +15,7 @@ use crate::fields::Fields;
 use crate::neighbours::BLOCK;
 use crate::operators;
 use crate::pressure::poisson::require_convergence;
-use crate::pressure::solver::{PreconditionerKind, SolverKind, Start};
-use crate::sparse::Preconditioner;
+use crate::pressure::solver::{SolverKind, Start};
 use crate::walls::Owner;
 use rayon::prelude::*;
 
@@ -118,15 +117,10 @@ impl Fluid {
         });
         // As sharp as the pressure itself: smooth parts matter to a load, and are the last to be found.
         let stop = self.stop(&settings, self.divergence_per_residual(h));
-        let mut diagonal = Preconditioner::default();
-        let preconditioner = match settings.preconditioner {
-            PreconditionerKind::Milu => {
-                self.state.pressure.preconditioner(&self.work.matrix, self.state.step)
-            }
-            PreconditionerKind::Diagonal => &mut diagonal,
-        };
-        let krylov = &mut self.work.krylov;
-        let report = krylov.solve(&self.work.matrix, preconditioner, &rhs, &mut solution, stop);
+        let rows = self.rows_around(|b| Some(b) != self.setup.tank.paddle);
+        let (kind, step) = (settings.preconditioner, self.state.step);
+        let system = self.state.pressure.system(kind, &self.work.matrix, rows, step);
+        let report = self.work.krylov.solve(system, &rhs, &mut solution, stop);
         self.work.repeated_rhs = rhs;
         self.work.repeated = solution;
         match settings.solver {

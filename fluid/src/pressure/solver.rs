@@ -4,11 +4,14 @@
 use crate::error::FluidError;
 use crate::fields::Fields;
 use crate::frame::Scales;
-use crate::krylov::Stop;
+use crate::krylov::{Stop, System};
+use crate::neighbours::BLOCK;
 use crate::network::lattice::{self, Cells, Coarse};
 use crate::network::residual::Gates;
-use crate::sparse::{Entry, Preconditioner, SparseMatrix};
+use crate::preconditioner::Preconditioner;
+use crate::sparse::{Entry, SparseMatrix};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::time::Duration;
 
 /// A way to find the pressure of a step.
@@ -50,31 +53,38 @@ pub(crate) struct Problem<'a> {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct PressureMemory {
     preconditioner: Preconditioner,
-    factorized_at: Option<u64>,
+    /// One without factors.
+    #[serde(skip)]
+    diagonal: Preconditioner,
     coarse: Coarse,
     coarse_at: Option<u64>,
     gates: Vec<Gates>,
 }
 
-/// Steps between two factorizations of the preconditioner.
-const FACTORS_LAST: u64 = 8;
 /// Steps between two of the network's coarse level, which stands still and sees particles pass.
 const COARSE_LASTS: u64 = 16;
 
 impl PressureMemory {
-    /// The factors of `matrix` or of one a few steps back.
-    pub(crate) fn preconditioner(
-        &mut self,
-        matrix: &SparseMatrix,
+    /// The equations of `matrix` in `rows` at least, with the preconditioner of `kind`: factors of this
+    /// step or of a few steps back.
+    pub(crate) fn system<'a>(
+        &'a mut self,
+        kind: PreconditionerKind,
+        matrix: &'a SparseMatrix,
+        rows: Range<usize>,
         step: u64,
-    ) -> &mut Preconditioner {
-        let rows = matrix.rows();
-        let age = self.factorized_at.map(|factorized| step - factorized);
-        if age.is_none_or(|age| age >= FACTORS_LAST) {
-            self.preconditioner.factorize(matrix, rows);
-            self.factorized_at = Some(step);
-        }
-        &mut self.preconditioner
+    ) -> System<'a> {
+        let (preconditioner, rows) = match kind {
+            PreconditionerKind::Milu => {
+                let rows = self.preconditioner.factorize(matrix, rows, step);
+                (&mut self.preconditioner, rows)
+            }
+            PreconditionerKind::Diagonal => {
+                let rows = rows.start / BLOCK * BLOCK..rows.end.next_multiple_of(BLOCK);
+                (&mut self.diagonal, rows.start..rows.end.min(matrix.rows()))
+            }
+        };
+        System { matrix, preconditioner, rows }
     }
 
     /// The coarse level of the network and its gates, of this step or a few steps back, and the
@@ -103,7 +113,7 @@ impl PressureMemory {
 
     /// The particles have been renumbered: factors of the old numbering are of no use.
     pub(crate) fn forget(&mut self) {
-        self.factorized_at = None;
+        self.preconditioner.forget();
         self.gates.clear();
     }
 }
@@ -120,7 +130,8 @@ impl Problem<'_> {
     ) -> (f64, f64) {
         let rhs = self.rhs;
         r.resize(rhs.len(), [0.0]);
-        let [[r2], [b2]] = self.matrix.multiply(self.pressure, r, sums, |i, r, [r2, b2]| {
+        let (rows, x) = (0..rhs.len(), &*self.pressure);
+        let [[r2], [b2]] = self.matrix.multiply(rows, x, r, sums, |i, r, [r2, b2]| {
             r[0] = rhs[i][0] - r[0];
             r2[0] += r[0] * r[0];
             b2[0] += rhs[i][0] * rhs[i][0];

@@ -1,8 +1,9 @@
 //! The linear solver against systems with known solutions and a direct solve.
 
-use crate::krylov::{Krylov, Report, Stop};
+use crate::krylov::{Krylov, Report, Stop, System};
 use crate::neighbours::BLOCK;
-use crate::sparse::{Entry, Preconditioner, SparseMatrix};
+use crate::preconditioner::Preconditioner;
+use crate::sparse::{Entry, SparseMatrix};
 use crate::tests::scatter;
 use nalgebra::{DMatrix, DVector};
 
@@ -75,8 +76,15 @@ fn one<const R: usize>(vectors: &[Entry<R>], k: usize) -> Vec<Entry<1>> {
 
 pub(super) fn times<const R: usize>(matrix: &SparseMatrix, x: &[Entry<R>]) -> Vec<Entry<R>> {
     let mut y = vec![[0.0; R]; x.len()];
-    let _: [Entry<R>; 0] = matrix.multiply(x, &mut y, &mut Vec::new(), |_, _, _| {});
+    let _: [Entry<R>; 0] = matrix.multiply(0..x.len(), x, &mut y, &mut Vec::new(), |_, _, _| {});
     y
+}
+
+/// All equations of `matrix`, factorized.
+fn whole<'a>(matrix: &'a SparseMatrix, preconditioner: &'a mut Preconditioner) -> System<'a> {
+    let rows = preconditioner.factorize(matrix, 0..matrix.rows(), 0);
+    assert_eq!(rows, 0..matrix.rows());
+    System { matrix, preconditioner, rows }
 }
 
 /// Factorizes and solves from zero.
@@ -86,9 +94,8 @@ fn solve<const R: usize>(
     stop: Stop,
 ) -> (Vec<Entry<R>>, Report) {
     let mut preconditioner = Preconditioner::default();
-    preconditioner.factorize(matrix, b.len());
     let mut x = vec![[0.0; R]; b.len()];
-    let report = Krylov::default().solve(matrix, &mut preconditioner, b, &mut x, stop);
+    let report = Krylov::default().solve(whole(matrix, &mut preconditioner), b, &mut x, stop);
     (x, report)
 }
 
@@ -193,10 +200,10 @@ fn a_zero_right_hand_side_is_reached_from_any_guess() {
     // solve starts from that of the step before.
     let matrix = LARGE.poisson();
     let mut preconditioner = Preconditioner::default();
-    preconditioner.factorize(&matrix, LARGE.len());
     let b = vec![[0.0; 3]; LARGE.len()];
     let mut x = LARGE.vectors();
-    let report = Krylov::default().solve(&matrix, &mut preconditioner, &b, &mut x, STRICT);
+    let system = whole(&matrix, &mut preconditioner);
+    let report = Krylov::default().solve(system, &b, &mut x, STRICT);
     assert!(report.converged, "{report:?}");
     assert!(x.iter().all(|x| *x == [0.0; 3]), "the solution is zero");
 }
@@ -207,15 +214,14 @@ fn a_good_guess_is_kept_and_a_better_one_costs_less() {
     let exact = LARGE.vectors();
     let b = times(&matrix, &exact);
     let mut preconditioner = Preconditioner::default();
-    preconditioner.factorize(&matrix, b.len());
     let mut krylov = Krylov::default();
     let mut x = exact.clone();
-    let report = krylov.solve(&matrix, &mut preconditioner, &b, &mut x, STRICT);
+    let report = krylov.solve(whole(&matrix, &mut preconditioner), &b, &mut x, STRICT);
     assert_eq!(report.iterations, 0);
     assert!(report.converged && x == exact);
     let from_zero = solve(&matrix, &b, STRICT).1.iterations;
     x.iter_mut().enumerate().for_each(|(i, x)| x[0] += 1e-6 * scatter(i as i64, 2));
-    let report = krylov.solve(&matrix, &mut preconditioner, &b, &mut x, STRICT);
+    let report = krylov.solve(whole(&matrix, &mut preconditioner), &b, &mut x, STRICT);
     assert!(report.converged && report.iterations < from_zero, "{report:?}, {from_zero}");
 }
 
@@ -227,17 +233,10 @@ fn the_preconditioner_pays() {
     let b = one(&LARGE.vectors(), 0);
     let stop = Stop { relative: 1e-8, absolute: 0.0, iterations: 2000 };
     let (_, with) = solve(&matrix, &b, stop);
-    // Factors of the identity: no preconditioner at all.
-    let mut identity = SparseMatrix::default();
-    identity.blocks.resize_with(matrix.blocks.len(), Default::default);
-    for block in &mut identity.blocks {
-        block.clear();
-        (0..BLOCK).for_each(|_| block.end_row(1.0));
-    }
     let mut none = Preconditioner::default();
-    none.factorize(&identity, b.len());
     let mut x = vec![[0.0]; b.len()];
-    let without = Krylov::default().solve(&matrix, &mut none, &b, &mut x, stop);
+    let system = System { matrix: &matrix, preconditioner: &mut none, rows: 0..b.len() };
+    let without = Krylov::default().solve(system, &b, &mut x, stop);
     assert!(with.converged && without.converged, "{with:?}, {without:?}");
     assert!(with.iterations <= 22, "{with:?}");
     assert!(6 * with.iterations < without.iterations, "{with:?}, {without:?}");
@@ -263,4 +262,40 @@ fn one_and_two_threads_give_the_same_bits() {
         })
     };
     assert!(run(1) == run(2), "the number of threads shows in the solution");
+}
+
+#[test]
+fn a_window_of_rows_is_solved_with_nought_in_all_others() {
+    let matrix = LARGE.poisson();
+    let mut preconditioner = Preconditioner::default();
+    let asked = LARGE.len() - 100..LARGE.len();
+    let rows = preconditioner.factorize(&matrix, asked.clone(), 0);
+    assert!(rows.start > 0 && rows.start < asked.start && rows.end == asked.end, "{rows:?}");
+    let b = LARGE.vectors();
+    let mut x = LARGE.vectors();
+    let window =
+        System { matrix: &matrix, preconditioner: &mut preconditioner, rows: rows.clone() };
+    let report = Krylov::default().solve(window, &b, &mut x, STRICT);
+    assert!(report.converged, "{report:?}");
+
+    // The same equations, and x = 0 in all other rows.
+    let mut fixed = SparseMatrix::default();
+    fixed.blocks.resize_with(matrix.blocks.len(), Default::default);
+    for (k, block) in fixed.blocks.iter_mut().enumerate() {
+        block.clear();
+        for row in k * BLOCK..((k + 1) * BLOCK).min(LARGE.len()) {
+            if rows.contains(&row) {
+                let (columns, values) = matrix.row(row);
+                let entries = columns.iter().zip(values);
+                entries.for_each(|(&column, &value)| block.push(column, f64::from(value)));
+            }
+            block.end_row(1.0);
+        }
+    }
+    let inside = |i: usize| if rows.contains(&i) { b[i] } else { [0.0; 3] };
+    let b: Vec<_> = (0..LARGE.len()).map(inside).collect();
+    let (expected, report) = solve(&fixed, &b, STRICT);
+    assert!(report.converged, "{report:?}");
+    let off = distance(&x, &expected);
+    assert!(off < 1e-8, "{off}");
 }

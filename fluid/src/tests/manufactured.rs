@@ -8,13 +8,14 @@
 
 use crate::fit;
 use crate::fluid::Fluid;
-use crate::krylov::{Krylov, Stop};
+use crate::krylov::{Krylov, Stop, System};
 use crate::network::Network;
 use crate::operators;
+use crate::preconditioner::Preconditioner;
 use crate::setup::{
     Discretisation, FluidSetup, Integrator, Numerics, PressureSettings, Tank, Water,
 };
-use crate::sparse::{Entry, Preconditioner};
+use crate::sparse::Entry;
 use crate::tests::scatter;
 use nalgebra::{Point2, Vector2};
 
@@ -135,7 +136,9 @@ fn errors(discretisation: Discretisation, rows: usize, jitter: f64) -> [f64; 4] 
     }
     let mut product = values.clone();
     let sums = &mut Vec::new();
-    let _: [Entry<1>; 0] = fluid.work.matrix.multiply(&values, &mut product, sums, |_, _, _| {});
+    let matrix = &fluid.work.matrix;
+    let rows = 0..values.len();
+    let _: [Entry<1>; 0] = matrix.multiply(rows, &values, &mut product, sums, |_, _, _| {});
     let laplacian_error = error(inner.iter().map(|&i| {
         let found = (known(i) - product[i][0]) * locals[i].diagonal / (spacing * spacing);
         (found, laplacian(&position[i]))
@@ -144,9 +147,9 @@ fn errors(discretisation: Discretisation, rows: usize, jitter: f64) -> [f64; 4] 
     let mut solution = vec![[0.0]; position.len()];
     let stop = Stop { relative: 1e-10, absolute: 0.0, iterations: 2000 };
     let mut preconditioner = Preconditioner::default();
-    preconditioner.factorize(&fluid.work.matrix, rhs.len());
-    let matrix = &fluid.work.matrix;
-    let report = Krylov::default().solve(matrix, &mut preconditioner, &rhs, &mut solution, stop);
+    let rows = preconditioner.factorize(matrix, 0..rhs.len(), 0);
+    let system = System { matrix, preconditioner: &mut preconditioner, rows };
+    let report = Krylov::default().solve(system, &rhs, &mut solution, stop);
     assert!(report.converged, "{report:?}");
     let solution_error = error(inner.iter().map(|&i| (solution[i][0], exact[i])));
     [gradient_error, divergence_error, laplacian_error, solution_error]
