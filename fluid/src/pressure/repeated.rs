@@ -35,9 +35,12 @@ impl Fluid {
         let this = &*self;
         let (work, particles) = (&this.work, &this.state.particles);
         velocity.clear();
+        // What viscosity adds is new to the pressure, which has not been asked for it yet.
+        let viscous = h * this.setup.water.kinematic_viscosity;
         let filtered = particles.velocity.iter().zip(&work.locals);
-        velocity
-            .extend(filtered.map(|(u, local)| u + local.roughness * this.filter_part(local, h)));
+        velocity.extend(filtered.map(|(u, local)| {
+            u + local.roughness * this.filter_part(local, h) - local.laplacian_of_velocity * viscous
+        }));
         let fields = Self::fields(&this.setup, particles, &this.walls, work);
         let after = Fields { velocity: &velocity, ..fields };
         let density = this.setup.water.density;
