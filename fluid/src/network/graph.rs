@@ -2,7 +2,7 @@
 
 use super::lattice::{self, Cells, Coarse};
 use super::paper::{self, Links, Paper};
-use super::residual::{self, Residual};
+use super::residual::{self, Level, Residual};
 use super::{Network, Weights};
 use crate::frame::Frame;
 use crate::neighbours::{CellGrid, Neighbours};
@@ -144,10 +144,9 @@ impl Network {
                 let walls = |i: usize| usize::from(frame.walls[i]);
                 let mut gates = Vec::new();
                 weights.all_gates(&levels.matrix, &levels.cells, walls, &mut gates);
-                let both = (&mut levels.cells, &levels.coarse);
-                let mut network = Residual::default();
-                let (found, _) = network.correction(&gates, &levels.matrix, both, &frame.residual);
-                found.to_vec()
+                let Levels { matrix, cells, coarse } = &mut levels;
+                let level = Level { cells, coarse, gates: &gates };
+                Residual::default().correction(level, matrix, &frame.residual).0.to_vec()
             }
             Weights::Paper(weights) => {
                 let graph = PaperGraph::new(frame);

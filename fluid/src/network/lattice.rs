@@ -48,7 +48,7 @@ impl Shape {
 
 /// Where a particle stands in the lattice: its cell's lowest node, and the part of the way to the
 /// next in each direction.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Place {
     pub(crate) column: u32,
     pub(crate) row: u32,
@@ -84,13 +84,14 @@ impl Place {
 }
 
 /// Particles in the cells of a lattice.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Cells {
     pub(crate) shape: Shape,
     /// Place of each particle.
     pub(crate) place: Vec<Place>,
     start: Vec<u32>,
     particles: Vec<u32>,
+    #[serde(skip)]
     sums: Vec<[f32; 4]>,
 }
 
@@ -144,15 +145,15 @@ impl Cells {
         &self.particles[self.start[cell] as usize..self.start[cell + 1] as usize]
     }
 
-    /// Pᵀ v: for each node the sum of `value(i)` times the particle's weight.
-    pub(crate) fn restrict(&mut self, value: impl Fn(usize) -> f32 + Sync, coarse: &mut Vec<f32>) {
+    /// Pᵀ v: for each node the sum of a particle's `value` times its weight.
+    pub(crate) fn restrict(&mut self, value: &[f32], coarse: &mut Vec<f32>) {
         let mut sums = std::mem::take(&mut self.sums);
         sums.resize(self.shape.nodes(), [0.0; 4]);
         let this = &*self;
         sums.par_iter_mut().with_min_len(64).enumerate().for_each(|(cell, sum)| {
             *sum = [0.0; 4];
             for &i in this.of(cell) {
-                let value = value(i as usize);
+                let value = value[i as usize];
                 for (sum, weight) in sum.iter_mut().zip(this.place[i as usize].weights()) {
                     *sum += weight * value;
                 }
@@ -197,13 +198,20 @@ impl Coarse {
     /// in it.
     pub(crate) fn factorize(&mut self, cells: &Cells, matrix: &SparseMatrix) {
         let shape = cells.shape;
+        let mut weights = vec![Weights::default(); cells.place.len()];
+        weights.par_chunks_mut(BLOCK).enumerate().for_each(|(block, weights)| {
+            for (offset, weights) in weights.iter_mut().enumerate() {
+                let i = block * BLOCK + offset;
+                if !matrix.stands_alone(i) {
+                    *weights = cells.place[i].weights();
+                }
+            }
+        });
         let mut blocks = vec![[0.0f64; CELL]; shape.nodes()];
         blocks.par_iter_mut().with_min_len(16).enumerate().for_each(|(cell, block)| {
-            let (column, row) = (cell / shape.rows, cell % shape.rows);
+            let corner = ((cell / shape.rows) as u32, (cell % shape.rows) as u32);
             for &i in cells.of(cell) {
-                if !matrix.stands_alone(i as usize) {
-                    add_row(cells, matrix, (column, row), i as usize, block);
-                }
+                add_row(&cells.place, &weights, matrix, corner, i as usize, block);
             }
         });
         let (n, band) = (shape.nodes(), shape.band());
@@ -249,39 +257,47 @@ impl Coarse {
     }
 }
 
+/// Weights of the nodes of a particle's cell where its own row is in the coarse equation, else nought.
+type Weights = [f32; 4];
+
 /// Adds Pᵢᵀ dᵢ (A P)ᵢ of particle `i` in the cell at `corner` to the cell's block of equations.
 #[inline(always)]
 fn add_row(
-    cells: &Cells,
+    place: &[Place],
+    weights: &[Weights],
     matrix: &SparseMatrix,
-    corner: (usize, usize),
+    corner: (u32, u32),
     i: usize,
     block: &mut [f64; CELL],
 ) {
-    let mut reached = [0.0f64; REACH * REACH];
-    let mut add = |place: Place, value: f64| {
-        // From one node below the cell to two above: a neighbour is less than a cell away.
-        let column = (place.column as usize + 1).wrapping_sub(corner.0);
-        let row = (place.row as usize + 1).wrapping_sub(corner.1);
-        if column + 1 < REACH && row + 1 < REACH {
-            let weights = place.weights();
-            for (k, weight) in weights.iter().enumerate() {
-                reached[(column + k / 2) * REACH + row + k % 2] += value * f64::from(*weight);
+    // By the cell that a neighbour is in, of three by three: it is less than a cell away.
+    let mut parts = [[0.0f64; 4]; 9];
+    let mut add = |i: usize, value: f64| {
+        let column = (place[i].column + 1).wrapping_sub(corner.0) as usize;
+        let row = (place[i].row + 1).wrapping_sub(corner.1) as usize;
+        if column < 3 && row < 3 {
+            for (part, weight) in parts[column * 3 + row].iter_mut().zip(weights[i]) {
+                *part += value * f64::from(weight);
             }
         }
     };
-    let own = cells.place[i];
-    let divisor = f64::from(matrix.divisor(i));
-    add(own, 1.0);
+    add(i, 1.0);
     let (columns, values) = matrix.row(i);
     for (&j, &value) in columns.iter().zip(values) {
-        if !matrix.stands_alone(j as usize) {
-            add(cells.place[j as usize], f64::from(value));
+        add(j as usize, f64::from(value));
+    }
+    let mut reached = [0.0f64; REACH * REACH];
+    for (cell, part) in parts.iter().enumerate() {
+        let first = cell / 3 * REACH + cell % 3;
+        for (k, value) in part.iter().enumerate() {
+            reached[first + k / 2 * REACH + k % 2] += value;
         }
     }
-    for (entries, weight) in block.chunks_exact_mut(REACH * REACH).zip(own.weights()) {
+    let divisor = f64::from(matrix.divisor(i));
+    for (entries, weight) in block.chunks_exact_mut(REACH * REACH).zip(weights[i]) {
+        let weight = divisor * f64::from(weight);
         for (entry, value) in entries.iter_mut().zip(&reached) {
-            *entry += divisor * f64::from(weight) * value;
+            *entry += weight * value;
         }
     }
 }

@@ -161,6 +161,15 @@ struct Slab {
     square: f64,
 }
 
+/// The coarse level of a step, and the gates that were found with it.
+pub(crate) struct Level<'a> {
+    /// Where the particles stand in its lattice.
+    pub(crate) cells: &'a mut Cells,
+    pub(crate) coarse: &'a Coarse,
+    /// Of each particle.
+    pub(crate) gates: &'a [Gates],
+}
+
 /// What the layers work on.
 #[derive(Clone, Copy)]
 struct Layers<'a> {
@@ -175,19 +184,26 @@ impl Residual {
     /// those of the surface do, is corrected by its residual.
     pub(crate) fn correction(
         &mut self,
-        gates: &[Gates],
+        level: Level<'_>,
         matrix: &SparseMatrix,
-        (cells, coarse): (&mut Cells, &Coarse),
         r: &[f32],
     ) -> (&[f32], f64) {
+        let Level { cells, coarse, gates } = level;
         let n = r.len();
         self.start.resize(n, 0.0);
         self.found.resize(n, 0.0);
         self.slabs.resize_with(n.div_ceil(SLAB), Slab::default);
-        let sent = |i| match matrix.stands_alone(i) {
-            true => 0.0,
-            false => matrix.divisor(i) * gates[i][0] * r[i],
-        };
+        // In the place of what it will be: what each particle sends to the coarse level.
+        let sent = &mut self.found;
+        sent.par_chunks_mut(BLOCK).enumerate().for_each(|(block, sent)| {
+            for (offset, sent) in sent.iter_mut().enumerate() {
+                let i = block * BLOCK + offset;
+                *sent = match matrix.stands_alone(i) {
+                    true => 0.0,
+                    false => matrix.divisor(i) * gates[i][0] * r[i],
+                };
+            }
+        });
         cells.restrict(sent, &mut self.coarse);
         coarse.solve(&mut self.coarse);
         let (cells, nodes) = (&*cells, &self.coarse);

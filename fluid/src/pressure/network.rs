@@ -7,7 +7,6 @@
 use crate::error::FluidError;
 use crate::frame::{Assembled, Frame};
 use crate::neighbours::BLOCK;
-use crate::network::lattice::Cells;
 use crate::network::paper::{self, Paper, PaperWeights};
 use crate::network::residual::{Residual, ResidualWeights};
 use crate::network::{Inference, Network, Weights};
@@ -24,7 +23,6 @@ pub(crate) struct NetworkSolver {
     elsewhere: Option<Arc<dyn Inference>>,
     settings: PressureSettings,
     guarded: bool,
-    cells: Cells,
     residual: Residual,
     paper: Paper,
     single: Vec<f32>,
@@ -46,7 +44,6 @@ impl NetworkSolver {
             elsewhere,
             settings,
             guarded,
-            cells: Cells::default(),
             residual: Residual::default(),
             paper: Paper::default(),
             single: Vec::new(),
@@ -64,12 +61,10 @@ impl NetworkSolver {
         self.single.par_chunks_mut(BLOCK).zip(self.product.par_chunks(BLOCK)).for_each(
             |(single, r)| single.iter_mut().zip(r).for_each(|(single, r)| *single = r[0] as f32),
         );
-        let (coarse, gates) =
-            problem.memory.coarse(&mut self.cells, fields, matrix, problem.step, |cells, gates| {
-                weights.all_gates(matrix, cells, |i| fields.wall_lists.of(i).len(), gates);
-            });
-        let levels = (&mut self.cells, coarse);
-        let (correction, left) = self.residual.correction(gates, matrix, levels, &self.single);
+        let level = problem.memory.coarse(fields, matrix, problem.step, |cells, gates| {
+            weights.all_gates(matrix, cells, |i| fields.wall_lists.of(i).len(), gates);
+        });
+        let (correction, left) = self.residual.correction(level, matrix, &self.single);
         problem
             .pressure
             .par_chunks_mut(BLOCK)

@@ -7,7 +7,7 @@ use crate::frame::Scales;
 use crate::krylov::{Stop, System};
 use crate::neighbours::BLOCK;
 use crate::network::lattice::{self, Cells, Coarse};
-use crate::network::residual::Gates;
+use crate::network::residual::{Gates, Level};
 use crate::preconditioner::Preconditioner;
 use crate::sparse::{Entry, SparseMatrix};
 use serde::{Deserialize, Serialize};
@@ -56,13 +56,15 @@ pub(crate) struct PressureMemory {
     /// One without factors.
     #[serde(skip)]
     diagonal: Preconditioner,
+    cells: Cells,
     coarse: Coarse,
     coarse_at: Option<u64>,
     gates: Vec<Gates>,
 }
 
-/// Steps between two of the network's coarse level, which stands still and sees particles pass.
-const COARSE_LASTS: u64 = 16;
+/// Steps that the network's coarse level lasts. Until they are numbered anew, particles keep their places
+/// in it, as if it went with the water: it fits its factors better so than with places of the step.
+const COARSE_LASTS: u64 = 24;
 
 impl PressureMemory {
     /// The equations of `matrix` in `rows` at least, with the preconditioner of `kind`: factors of this
@@ -87,31 +89,31 @@ impl PressureMemory {
         System { matrix, preconditioner, rows }
     }
 
-    /// The coarse level of the network and its gates, of this step or a few steps back, and the
-    /// particles sorted into its `cells`. `gates` makes the gates.
+    /// The network's coarse level, the particles' places in it and their gates, all of this step or a
+    /// few steps back. `gates` makes the gates.
     pub(crate) fn coarse(
         &mut self,
-        cells: &mut Cells,
         fields: Fields,
         matrix: &SparseMatrix,
         step: u64,
         gates: impl Fn(&Cells, &mut Vec<Gates>),
-    ) -> (&Coarse, &[Gates]) {
+    ) -> Level<'_> {
         let position = fields.position;
         let due = self.coarse_at.is_none_or(|built| step - built >= COARSE_LASTS);
-        let shape = if due { lattice::shape(position, fields.spacing) } else { self.coarse.shape };
-        cells.sort(position, fields.spacing, shape);
-        if due {
-            self.coarse.factorize(cells, matrix);
-            self.coarse_at = Some(step);
-        }
         if due || self.gates.len() != position.len() {
-            gates(cells, &mut self.gates);
+            let shape =
+                if due { lattice::shape(position, fields.spacing) } else { self.cells.shape };
+            self.cells.sort(position, fields.spacing, shape);
+            if due {
+                self.coarse.factorize(&self.cells, matrix);
+                self.coarse_at = Some(step);
+            }
+            gates(&self.cells, &mut self.gates);
         }
-        (&self.coarse, &self.gates)
+        Level { cells: &mut self.cells, coarse: &self.coarse, gates: &self.gates }
     }
 
-    /// The particles have been renumbered: factors of the old numbering are of no use.
+    /// The particles have been renumbered: factors and places of the old numbering are of no use.
     pub(crate) fn forget(&mut self) {
         self.preconditioner.forget();
         self.gates.clear();

@@ -2,7 +2,7 @@
 //! stability bounds, and weights files that are none.
 
 use crate::network::lattice::{self, Cells, Coarse, LEAST_DIAGONAL};
-use crate::network::residual::Residual;
+use crate::network::residual::{Level, Residual};
 use crate::network::{Network, NetworkError, Weights};
 use crate::sparse::SparseMatrix;
 use crate::tests::krylov::{Grid, times};
@@ -47,8 +47,8 @@ impl Tank {
         let Weights::Residual(weights) = Network::shipped().unwrap().0 else { unreachable!() };
         let mut gates = Vec::new();
         weights.all_gates(&self.matrix, &self.cells, |_| 0, &mut gates);
-        let levels = (&mut self.cells, &self.coarse);
-        Residual::default().correction(&gates, &self.matrix, levels, r).0.to_vec()
+        let level = Level { cells: &mut self.cells, coarse: &self.coarse, gates: &gates };
+        Residual::default().correction(level, &self.matrix, r).0.to_vec()
     }
 }
 
@@ -77,7 +77,7 @@ fn the_coarse_level_is_the_galerkin_product_of_the_fine_one() {
     let exact = interpolation.transpose() * &fine * &interpolation;
     let values: Vec<f32> = (0..n).map(|i| scatter(i as i64, 7) as f32).collect();
     let mut found = Vec::new();
-    tank.cells.restrict(|i| values[i], &mut found);
+    tank.cells.restrict(&values, &mut found);
     let fine_values = DVector::from_iterator(n, values.iter().map(|v| f64::from(*v)));
     let restricted = interpolation.transpose() * fine_values;
     for (found, exact) in found.iter().zip(&restricted) {
