@@ -3,7 +3,11 @@
 //! There no fit resolves the flow between neighbours, and the surface is no function of x. Particles
 //! collide, their own density is fed back to the pressure, and gaps in the surface are left as they
 //! are. Everywhere else, and in a scene where nothing overturns, none of this is done.
+//!
+//! Spray flies: it is no part of any fit, falls freely, and meets other water in collisions alone.
 
+use crate::neighbours::Neighbours;
+use crate::regularise::COLLISION_RANGE;
 use nalgebra::{Point2, Vector2};
 
 /// A surface whose normal's vertical part is below this is about to overturn.
@@ -49,9 +53,68 @@ impl BrokenWater {
     }
 }
 
+/// A particle with fewer others, of water or walls, within [`SIGHT`] spacings is spray. On an even
+/// surface there are seven, in its corner with a wall three and the wall's. One that passes over the
+/// surface without touching it has three; were it water, what it passes would count as covered, a
+/// step too late, and the pressure behind would drive it on.
+const FEWEST_AROUND: usize = 4;
+const SIGHT: f64 = 2.0;
+
+/// The spray of a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Spray {
+    is_spray: Vec<bool>,
+    /// Spray, and a particle that it may collide with.
+    pub(crate) pairs: Vec<[u32; 2]>,
+}
+
+impl Spray {
+    /// Finds the spray among the particles at `position` and takes it out of all lists of neighbours:
+    /// `fluid` and `walls` around each particle, fluid around each wall particle.
+    pub(crate) fn part(
+        &mut self,
+        position: &[Point2<f64>],
+        spacing: f64,
+        fluid: &mut Neighbours,
+        walls: &Neighbours,
+        fluid_of_walls: &mut Neighbours,
+    ) {
+        let is_near = |i: usize, j: usize, range: f64| {
+            (position[j] - position[i]).norm_squared() < (range * spacing).powi(2)
+        };
+        self.is_spray.clear();
+        self.is_spray.extend((0..position.len()).map(|i| {
+            walls.of(i).len() < FEWEST_AROUND
+                && fluid.of(i).iter().filter(|&&j| is_near(i, j as usize, SIGHT)).count()
+                    + walls.of(i).len()
+                    < FEWEST_AROUND
+        }));
+        self.pairs.clear();
+        if !self.is_spray.contains(&true) {
+            return;
+        }
+        for i in (0..position.len()).filter(|&i| self.is_spray[i]) {
+            let met = fluid
+                .of(i)
+                .iter()
+                .map(|&j| j as usize)
+                .filter(|&j| is_near(i, j, COLLISION_RANGE) && (i < j || !self.is_spray[j]));
+            self.pairs.extend(met.map(|j| [i as u32, j as u32]));
+        }
+        fluid.retain(|i, j| !self.is_spray[i] && !self.is_spray[j]);
+        fluid_of_walls.retain(|_, i| !self.is_spray[i]);
+    }
+
+    /// Whether particle `i` is spray.
+    pub(crate) fn is(&self, i: usize) -> bool {
+        self.is_spray.get(i).is_some_and(|is_spray| *is_spray)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::neighbours::CellGrid;
 
     #[test]
     fn water_is_broken_around_a_surface_that_overturns() {
@@ -65,5 +128,28 @@ mod tests {
         assert!(broken.is_anywhere());
         let found = [4.9, 5.1, 14.9, 15.1, 40.0].map(|x| broken.is_at(x));
         assert_eq!(found, [false, true, true, false, false]);
+    }
+
+    #[test]
+    fn what_flies_over_the_surface_is_no_part_of_it() {
+        let lattice = (0..40).map(|i| Point2::new(f64::from(i % 10) + 0.5, f64::from(i / 10)));
+        let mut position: Vec<_> = lattice.collect();
+        // Skimming, and one further up on the surface's end, where it belongs to it.
+        position.extend([Point2::new(5.2, 4.4), Point2::new(1.0, 3.9)]);
+        let mut grid = CellGrid::new(Point2::origin(), Point2::new(10.0, 6.0), 2.6);
+        grid.sort(&position);
+        let (mut fluid, mut walls) = (Neighbours::default(), Neighbours::default());
+        fluid.find(&position, &position, &grid, 2.6, |i, j| i != j);
+        let mut no_walls = grid.clone();
+        no_walls.sort(&[]);
+        walls.find(&position, &[], &no_walls, 2.6, |_, _| true);
+        let mut of_walls = fluid.clone();
+        let mut spray = Spray::default();
+        spray.part(&position, 1.0, &mut fluid, &walls, &mut of_walls);
+        assert_eq!([34, 35, 40, 41].map(|i| spray.is(i)), [false, false, true, false]);
+        assert!(fluid.of(40).is_empty() && !fluid.of(35).contains(&40));
+        assert!(!of_walls.of(35).contains(&40) && fluid.of(30).contains(&41));
+        let met: Vec<_> = spray.pairs.iter().filter(|pair| pair[0] == 40).collect();
+        assert_eq!(met, [&[40, 35]]);
     }
 }

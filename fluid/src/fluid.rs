@@ -267,6 +267,9 @@ impl Fluid {
         work.fluid.find(fluid, fluid, &work.grid, radius, |i, j| i != j);
         work.wall_lists.find(fluid, walls, &work.wall_grid, radius, |_, _| true);
         work.fluid_of_walls.find(walls, fluid, &work.grid, radius, |_, _| true);
+        let spacing = self.setup.numerics.particle_spacing;
+        let lists = (&mut work.fluid, &work.wall_lists, &mut work.fluid_of_walls);
+        work.spray.part(fluid, spacing, lists.0, lists.1, lists.2);
     }
 
     pub(crate) fn free_surface(&mut self) {

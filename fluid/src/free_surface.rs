@@ -15,6 +15,8 @@ const REACH: f64 = 1.7;
 /// particle whose largest empty angle falls below the second leaves it.
 const EMERGES: f64 = 140.0 / 180.0 * PI;
 const SUBMERGES: f64 = 100.0 / 180.0 * PI;
+/// A particle deep in the water that sees an empty angle above this stands beside a hole.
+const HOLE: f64 = 100.0 / 180.0 * PI;
 /// A wall particle fades out over this many spacings on either side of the local surface.
 const WALL_MARGIN: f64 = 0.5;
 
@@ -42,18 +44,34 @@ pub(crate) fn detect(around: Surroundings, wall: &Walls, last: &[bool], flags: &
                     && (around.position[j] - around.position[i]).norm_squared()
                         < (REACH * around.spacing).powi(2)
             };
-            *flag = if last[i] {
-                largest_gap(around, wall, i) > SUBMERGES
+            *flag = if around.fluid.of(i).is_empty() || last[i] {
+                largest_gap(around, wall, i).angle > SUBMERGES
             } else {
                 around.fluid.of(i).iter().any(|j| near(&j))
-                    && largest_gap(around, wall, i) > EMERGES
+                    && largest_gap(around, wall, i).angle > EMERGES
             };
         }
     });
 }
 
-/// Largest angle without neighbours as particle `i` sees it, rad.
-fn largest_gap(around: Surroundings, wall: &Walls, i: usize) -> f64 {
+/// Where a hole in the water beside inner particle `i` gets a particle, a spacing away in the middle of
+/// the empty angle; `None` where there is none.
+pub(crate) fn hole(around: Surroundings, wall: &Walls, i: usize) -> Option<Point2<f64>> {
+    let gap = largest_gap(around, wall, i);
+    let (sin, cos) = gap.direction.sin_cos();
+    (HOLE..2.0 * PI)
+        .contains(&gap.angle)
+        .then(|| around.position[i] + Vector2::new(cos, sin) * around.spacing)
+}
+
+/// An angle without neighbours, rad, and the direction of its middle.
+struct Gap {
+    angle: f64,
+    direction: f64,
+}
+
+/// Largest angle without neighbours as particle `i` sees it.
+fn largest_gap(around: Surroundings, wall: &Walls, i: usize) -> Gap {
     const MANY: usize = 64;
     let mut angles = [0.0; MANY];
     let mut count = 0;
@@ -80,12 +98,15 @@ fn largest_gap(around: Surroundings, wall: &Walls, i: usize) -> f64 {
         }
     }
     if count == 0 {
-        return 2.0 * PI;
+        return Gap { angle: 2.0 * PI, direction: 0.0 };
     }
     let angles = &mut angles[..count];
     angles.sort_unstable_by(f64::total_cmp);
-    let around_the_back = angles[0] + 2.0 * PI - angles[count - 1];
-    angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around_the_back, f64::max)
+    let between = |from: f64, to: f64| Gap { angle: to - from, direction: 0.5 * (from + to) };
+    let around_the_back = between(angles[count - 1], angles[0] + 2.0 * PI);
+    angles.windows(2).fold(around_the_back, |largest, pair| {
+        if pair[1] - pair[0] > largest.angle { between(pair[0], pair[1]) } else { largest }
+    })
 }
 
 /// Sets the outward unit normal of each surface particle; elsewhere it is zero.

@@ -88,8 +88,23 @@ impl Fluid {
     /// Lets particles collide that approach each other faster than water does; see
     /// [`regularise::collision`].
     fn collide(&mut self, h: f64) {
-        let pace = self.setup.numerics.particle_spacing / h;
         let spacing = self.setup.numerics.particle_spacing;
+        let pace = spacing / h;
+        for [i, j] in self.work.spray.pairs.iter().map(|pair| pair.map(|i| i as usize)) {
+            let particles = &mut self.state.particles;
+            let d = (particles.position[j] - particles.position[i]) / spacing;
+            let distance = d.norm();
+            if distance > 0.0 {
+                let ahead = d / distance;
+                let approach = (particles.velocity[i] - particles.velocity[j]).dot(&ahead);
+                let change = regularise::collision(ahead, distance, approach, pace);
+                particles.velocity[i] += change;
+                particles.velocity[j] -= change;
+            }
+        }
+        if !self.work.broken.is_anywhere() {
+            return;
+        }
         let mut change = std::mem::take(&mut self.work.scratch_vectors);
         change.resize(self.state.particles.len(), Vector2::zeros());
         let (particles, near, broken) =
@@ -147,9 +162,7 @@ impl Fluid {
     /// Lets particles collide, shifts them, their velocity with them, and filters what no fit can
     /// resolve.
     pub(crate) fn regularise(&mut self, h: f64) {
-        if self.work.broken.is_anywhere() {
-            self.collide(h);
-        }
+        self.collide(h);
         let spacing = self.setup.numerics.particle_spacing;
         let most = self.filter_rate() * h;
         let particles = &mut self.state.particles;

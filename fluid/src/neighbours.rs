@@ -112,6 +112,24 @@ impl Lists {
         self.index.push(neighbour as u32);
     }
 
+    /// Keeps those entries for which `keep(local, neighbour)` holds.
+    fn retain(&mut self, keep: impl Fn(usize, usize) -> bool) {
+        let (mut from, mut kept) = (0, 0);
+        for local in 0..self.start.len().saturating_sub(1) {
+            let end = self.start[local + 1] as usize;
+            for entry in from..end {
+                let neighbour = self.index[entry];
+                if keep(local, neighbour as usize) {
+                    self.index[kept] = neighbour;
+                    kept += 1;
+                }
+            }
+            self.start[local + 1] = kept as u32;
+            from = end;
+        }
+        self.index.truncate(kept);
+    }
+
     /// Ends the list that is being written.
     #[inline(always)]
     pub(crate) fn end_list(&mut self) {
@@ -171,6 +189,13 @@ impl Neighbours {
         );
     }
 
+    /// Keeps those neighbours for which `keep(centre, other)` holds.
+    pub(crate) fn retain(&mut self, keep: impl Fn(usize, usize) -> bool + Sync) {
+        self.blocks.par_iter_mut().enumerate().for_each(|(block, lists)| {
+            lists.retain(|local, neighbour| keep(block * BLOCK + local, neighbour));
+        });
+    }
+
     /// Number of neighbours of point `i`; `None` for one that no search has seen.
     pub(crate) fn count(&self, i: usize) -> Option<usize> {
         let lists = self.blocks.get(i / BLOCK)?;
@@ -212,6 +237,12 @@ mod tests {
                 .map(|j| j as u32)
                 .collect();
             assert_eq!(found, all, "point {i}");
+        }
+        let all = neighbours.clone();
+        neighbours.retain(|i, j| i % 3 > 0 && j % 5 > 0);
+        for i in 0..points.len() {
+            let kept = all.of(i).iter().filter(|j| i % 3 > 0 && *j % 5 > 0);
+            assert!(neighbours.of(i).iter().eq(kept), "point {i}");
         }
     }
 }

@@ -176,6 +176,11 @@ pub(crate) fn inner_shift(push: Vector2<f64>, closeness: f64) -> (Vector2<f64>, 
     (capped(STRENGTH * push, LONGEST), closeness / LATTICE_CLOSENESS)
 }
 
+/// Part of a particle's crowding that another at the `offset` (m) makes.
+pub(crate) fn crowding(offset: Vector2<f64>, spacing: f64) -> f64 {
+    push(offset.x / spacing, offset.y / spacing).1 / LATTICE_CLOSENESS
+}
+
 /// Push in spacings of a particle at offset (x, y), and how close it is, (1 − r/range)².
 #[inline(always)]
 pub(crate) fn push<T: Number>(x: T, y: T) -> ([T; 2], T) {

@@ -3,12 +3,16 @@
 //!
 //! Surface particles stay on the surface, which grows and shrinks, and drift along it with the
 //! waves. The volume of the water is that below the surface, not a number of particles, so a
-//! particle more or less changes where the flow is sampled and nothing else.
+//! particle more or less changes where the flow is sampled and nothing else. The same holds below:
+//! where a jet leaves an edge particles may part faster than shifts bring them together, and a hole
+//! with a corner of a body in it is a source that no fit around sees. It gets particles, and those that
+//! come together elsewhere are taken out.
 
 use crate::fluid::Fluid;
 use crate::free_surface::{self, Surroundings};
 use crate::geometry::signed_distance;
 use crate::particles::permute;
+use crate::regularise::crowding;
 use nalgebra::{Point2, Vector2};
 
 /// A wider gap between two surface particles, in spacings, gets a particle in its middle.
@@ -19,6 +23,15 @@ const NARROWEST: f64 = 0.6;
 const WIDEST_AT_WALL: f64 = 1.3;
 /// Distance of the outermost particle from a wall, in spacings, as in a fresh tank.
 const AT_WALL: f64 = 0.5;
+/// A particle put into a hole keeps this distance from all others, in spacings.
+const CLEAR: f64 = 0.75;
+/// Of particles below the surface that are as crowded as this, relative to a lattice, the most crowded
+/// is taken out.
+const CROWDED: f64 = 1.3;
+/// Neighbours in an even arrangement, away from surface and walls: with no more there is no crowd.
+const USUAL: usize = 20;
+/// Neighbours, of water and walls: with more there is no hole.
+const FEW: usize = 15;
 /// What lies further off the surface's direction than this (cosine) is not along it.
 const ALONG: f64 = 0.5;
 
@@ -27,6 +40,7 @@ struct Added {
     position: Point2<f64>,
     /// Particles that it takes its values from, in equal parts.
     from: [usize; 2],
+    on_surface: bool,
 }
 
 impl Fluid {
@@ -56,11 +70,18 @@ impl Fluid {
         // Where the surface is broken, every gap filled would be water made.
         for i in 0..self.state.particles.len() {
             if self.work.on_surface[i]
+                && !self.work.spray.is(i)
                 && !taken[i]
                 && !self.work.broken.is_at(self.work.position[i].x)
             {
                 self.look_along(i, 1.0, &mut taken, &mut added);
                 self.look_along(i, -1.0, &mut taken, &mut added);
+            }
+        }
+        for (i, taken) in taken.iter_mut().enumerate() {
+            if self.is_deep(i) && !*taken {
+                *taken = self.is_in_a_crowd(i);
+                added.extend(self.beside_a_hole(i, &added));
             }
         }
         for new in &added {
@@ -105,7 +126,7 @@ impl Fluid {
             let bulge = (tangent(i) - tangent(j)) * (distance / 8.0);
             let middle = nalgebra::center(&position[i], &position[j]) + bulge;
             if self.is_in_the_open(middle) {
-                added.push(Added { position: middle, from: [i, j] });
+                added.push(Added { position: middle, from: [i, j], on_surface: true });
             }
         }
     }
@@ -132,9 +153,58 @@ impl Fluid {
         {
             let position = own + path * (distance - AT_WALL * spacing);
             if self.is_in_the_open(position) {
-                added.push(Added { position, from: [i, i] });
+                added.push(Added { position, from: [i, i], on_surface: true });
             }
         }
+    }
+
+    /// Whether particle `i` is below the surface and the row next to it, and the water is not broken there.
+    fn is_deep(&self, i: usize) -> bool {
+        let work = &self.work;
+        !work.on_surface[i]
+            && !work.spray.is(i)
+            && !work.broken.is_at(work.position[i].x)
+            && !work.fluid.of(i).iter().any(|&j| work.on_surface[j as usize])
+    }
+
+    /// Whether particle `i` is the most crowded around, and too much so.
+    fn is_in_a_crowd(&self, i: usize) -> bool {
+        let work = &self.work;
+        let list = |i: usize| work.fluid.of(i).iter().map(|&j| j as usize);
+        let crowding = |i: usize| {
+            let spacing = self.setup.numerics.particle_spacing;
+            list(i).map(|j| crowding(work.position[j] - work.position[i], spacing)).sum::<f64>()
+        };
+        let own = || crowding(i);
+        list(i).len() > USUAL && own() > CROWDED && list(i).all(|j| (crowding(j), j) < (own(), i))
+    }
+
+    /// The particle that the hole beside particle `i` gets, if there is one that none of those
+    /// `added` has filled.
+    fn beside_a_hole(&self, i: usize, added: &[Added]) -> Option<Added> {
+        let (work, spacing) = (&self.work, self.setup.numerics.particle_spacing);
+        let around = Surroundings {
+            position: &work.position,
+            fluid: &work.fluid,
+            walls: &work.wall_lists,
+            spacing,
+        };
+        if work.fluid.of(i).len() + work.wall_lists.of(i).len() > FEW {
+            return None;
+        }
+        let position = free_surface::hole(around, &self.walls, i)?;
+        let is_clear = |x: &Point2<f64>| (x - position).norm() > CLEAR * spacing;
+        let mut others = work.fluid.of(i).iter().map(|&j| j as usize);
+        let clear = others.clone().all(|j| is_clear(&work.position[j]))
+            && added.iter().all(|new| is_clear(&new.position));
+        if !clear || !self.is_in_the_open(position) {
+            return None;
+        }
+        let first = others.next()?;
+        let distance = |j: usize| (work.position[j] - position).norm_squared();
+        let nearest =
+            others.fold(first, |near, j| if distance(j) < distance(near) { j } else { near });
+        Some(Added { position, from: [i, nearest], on_surface: false })
     }
 
     /// Whether no boundary covers `point`.
@@ -155,7 +225,7 @@ impl Fluid {
         particles.pressure_change.push(change);
         particles.vain_divergence.push(0.0);
         particles.repeated_pressure.push([0.0]);
-        particles.on_surface.push(true);
+        particles.on_surface.push(new.on_surface);
         particles.identity.push(self.state.next_identity);
         self.state.next_identity += 1;
         for unit in &mut self.state.unit_pressure {
@@ -194,5 +264,49 @@ impl Fluid {
         // The factors belong to the old numbering.
         self.state.pressure.forget();
         self.work.resize(self.state.particles.len());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::bodies::fluid;
+
+    /// Whether each particle is within `reach` spacings of `point`.
+    fn around(fluid: &Fluid, point: Point2<f64>, reach: f64) -> Vec<bool> {
+        let range = reach * fluid.setup.numerics.particle_spacing;
+        fluid.state.particles.position.iter().map(|x| (x - point).norm() < range).collect()
+    }
+
+    #[test]
+    fn even_water_is_left_as_it_is() {
+        let mut fluid = fluid();
+        let before = fluid.state.particles.position.clone();
+        fluid.resample();
+        assert_eq!(fluid.state.particles.position, before);
+    }
+
+    #[test]
+    fn a_hole_in_the_water_is_filled() {
+        let mut fluid = fluid();
+        let hole = Point2::new(0.2, 0.08);
+        let inside = around(&fluid, hole, 1.5);
+        let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
+        let (all, surface) = (inside.len(), count(&fluid.state.particles.on_surface));
+        fluid.renumber(&inside);
+        assert!(!around(&fluid, hole, 1.5).contains(&true));
+        fluid.resample();
+        fluid.resample();
+        // Not all: those around the hole part, too.
+        let added = fluid.state.particles.len() - (all - count(&inside));
+        assert!((4..=6).contains(&added), "{added} where {} were taken", count(&inside));
+        let widest = (-10..=10).flat_map(|x| (-10..=10).map(move |y| (x, y))).map(|(x, y)| {
+            let point = hole + 0.002 * Vector2::new(f64::from(x), f64::from(y));
+            let nearest = fluid.state.particles.position.iter().map(|x| (x - point).norm());
+            nearest.fold(f64::INFINITY, f64::min) / fluid.setup.numerics.particle_spacing
+        });
+        let widest = widest.fold(0.0, f64::max);
+        assert!(widest < 1.0, "{widest} spacings to the next particle");
+        assert_eq!(count(&fluid.state.particles.on_surface), surface);
     }
 }

@@ -1,6 +1,6 @@
 //! What a fluid remembers from step to step, and what it works on within one.
 
-use crate::broken_water::BrokenWater;
+use crate::broken_water::{BrokenWater, Spray};
 use crate::krylov::Krylov;
 use crate::loads::PointPressure;
 use crate::neighbours::{CellGrid, Neighbours};
@@ -59,6 +59,7 @@ pub(crate) struct Work {
     pub(crate) on_surface: Vec<bool>,
     pub(crate) normal: Vec<Vector2<f64>>,
     pub(crate) broken: BrokenWater,
+    pub(crate) spray: Spray,
     pub(crate) grid: CellGrid,
     pub(crate) wall_grid: CellGrid,
     pub(crate) fluid: Neighbours,
