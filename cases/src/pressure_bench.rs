@@ -123,6 +123,7 @@ fn compare(row: usize, case: &Case, steps: u64) -> Result<Vec<BenchRow>, BenchEr
         fluid.solve_load(time, h)?;
         if step >= LEAD {
             for (index, rival) in rivals.iter_mut().enumerate() {
+                fluid.prepare(rival);
                 let before = processor_time();
                 reports[index].extend(fluid.try_pressure(rival)?);
                 let used = processor_time().zip(before).map(|(now, before)| now - before);

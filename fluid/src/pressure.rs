@@ -290,12 +290,19 @@ impl Fluid {
     #[must_use]
     pub fn rival(&self, settings: PressureSettings) -> Rival {
         let solver = solver(settings, &self.setup.network, None);
-        Rival { settings, solver, memory: PressureMemory::default() }
+        let (memory, identity, start) = (PressureMemory::default(), Vec::new(), Vec::new());
+        Rival { settings, solver, memory, identity, start }
+    }
+
+    /// Hands the `rival` what a run's own solver finds ready: the last pressure, in the numbering of the step.
+    pub fn prepare(&self, rival: &mut Rival) {
+        rival.follow(&self.state.particles.identity);
+        rival.start = self.last_pressure();
     }
 
     /// Solves the pressure equation of the step that is solved but not yet completed once more, by
-    /// the `rival`, and leaves everything as it was: a comparison of solvers on the same equation.
-    /// `None` where no step is solved.
+    /// the `rival`, which is prepared for it, and leaves everything as it was: a comparison of solvers
+    /// on the same equation. `None` where no step is solved.
     ///
     /// # Errors
     /// [`FluidError::PressureNotConverged`].
@@ -304,7 +311,7 @@ impl Fluid {
         rival: &mut Rival,
     ) -> Result<Option<PressureReport>, FluidError> {
         let Some(h) = self.solved_for else { return Ok(None) };
-        let start = self.last_pressure();
+        let start = std::mem::take(&mut rival.start);
         self.solve_again(h, start, rival).map(|(report, _)| Some(report))
     }
 
@@ -331,6 +338,31 @@ pub struct Rival {
     settings: PressureSettings,
     solver: Box<dyn PressureSolver>,
     memory: PressureMemory,
+    /// Identities of the particles of its memory.
+    identity: Vec<u32>,
+    start: Vec<[f64; 1]>,
+}
+
+impl Rival {
+    /// Brings the memory to the numbering of the particles of these identities, as that of a run is.
+    fn follow(&mut self, identity: &[u32]) {
+        if self.identity == identity {
+            return;
+        }
+        let count = self.identity.iter().max().map_or(0, |last| *last as usize + 1);
+        let mut old = vec![None; count];
+        for (i, identity) in self.identity.iter().enumerate() {
+            old[*identity as usize] = Some(i as u32);
+        }
+        let order = identity.iter().map(|identity| old.get(*identity as usize).copied().flatten());
+        match order.collect::<Option<Vec<_>>>() {
+            Some(order) => self.memory.renumber(&order),
+            // One of them is new.
+            None => self.memory = PressureMemory::default(),
+        }
+        self.identity.clear();
+        self.identity.extend_from_slice(identity);
+    }
 }
 
 /// The solver that `settings` ask for, a network with its inference `elsewhere` or the program's own.

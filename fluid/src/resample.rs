@@ -231,6 +231,7 @@ impl Fluid {
         for unit in &mut self.state.unit_pressure {
             unit.push([0.0; 3]);
         }
+        self.state.pressure.add(new.position, self.setup.numerics.particle_spacing, i);
     }
 
     /// Numbers the particles that are not `taken` out.
@@ -261,8 +262,7 @@ impl Fluid {
         for unit in &mut self.state.unit_pressure {
             permute(unit, order, &mut work.scratch_units);
         }
-        // The factors belong to the old numbering.
-        self.state.pressure.forget();
+        self.state.pressure.renumber(order);
         self.work.resize(self.state.particles.len());
     }
 }

@@ -62,15 +62,33 @@ impl RowBlock {
         let range = self.start[local] as usize..self.start[local + 1] as usize;
         (&self.column[range.clone()], &self.value[range])
     }
+}
 
-    /// Product of row `local`, row `own` of the matrix, with `x`.
+/// A row of a matrix.
+#[derive(Clone, Copy)]
+pub(crate) struct Row<'a> {
+    /// Columns and values of the off-diagonal entries.
+    columns: &'a [u32],
+    values: &'a [f32],
+    diagonal: f64,
+    /// What the row was divided by for its unit diagonal.
+    pub(crate) divisor: f32,
+}
+
+impl Row<'_> {
+    /// Whether it is that of a known value or of one that depends on known values alone.
     #[inline(always)]
-    fn times<const R: usize>(&self, local: usize, own: usize, x: &[Entry<R>]) -> Entry<R> {
+    pub(crate) fn stands_alone(self) -> bool {
+        self.columns.is_empty()
+    }
+
+    /// Product with `x`, whose own entry is `own`.
+    #[inline(always)]
+    pub(crate) fn times<const R: usize>(self, own: Entry<R>, x: &[Entry<R>]) -> Entry<R> {
         let mut sums = [[0.0; R]; LANES];
-        sums[0] = x[own].map(|x| x * self.diagonal[local]);
-        let (columns, values) = self.row(local);
-        let (columns, last_columns) = columns.as_chunks::<LANES>();
-        let (values, last_values) = values.as_chunks::<LANES>();
+        sums[0] = own.map(|x| x * self.diagonal);
+        let (columns, last_columns) = self.columns.as_chunks::<LANES>();
+        let (values, last_values) = self.values.as_chunks::<LANES>();
         for (columns, values) in columns.iter().zip(values) {
             for lane in 0..LANES {
                 let (x, value) = (&x[columns[lane] as usize], f64::from(values[lane]));
@@ -86,6 +104,23 @@ impl RowBlock {
             }
         }
         std::array::from_fn(|r| (sums[0][r] + sums[1][r]) + (sums[2][r] + sums[3][r]))
+    }
+
+    /// Product with `x`, whose own entry is `own`, in single precision; `x` begins with that of row `first`.
+    #[inline(always)]
+    pub(crate) fn times_single(self, own: f32, x: &[f32], first: usize) -> f32 {
+        let mut sums = [0.0f32; LANES];
+        let (columns, last_columns) = self.columns.as_chunks::<LANES>();
+        let (values, last_values) = self.values.as_chunks::<LANES>();
+        for (columns, values) in columns.iter().zip(values) {
+            for lane in 0..LANES {
+                sums[lane] += values[lane] * x[columns[lane] as usize - first];
+            }
+        }
+        for (&column, &value) in last_columns.iter().zip(last_values) {
+            sums[0] += value * x[column as usize - first];
+        }
+        own + ((sums[0] + sums[1]) + (sums[2] + sums[3]))
     }
 }
 
@@ -114,22 +149,21 @@ impl SparseMatrix {
         self.row(i).0.is_empty()
     }
 
-    /// Product of row `i` with `x`, in single precision; `x` begins with that of row `first`.
+    /// Calls `visit` for every one of the `rows`, in their order.
     #[inline(always)]
-    pub(crate) fn times_single(&self, i: usize, x: &[f32], first: usize) -> f32 {
-        let (columns, values) = self.row(i);
-        let mut sums = [0.0f32; LANES];
-        let (columns, last_columns) = columns.as_chunks::<LANES>();
-        let (values, last_values) = values.as_chunks::<LANES>();
-        for (columns, values) in columns.iter().zip(values) {
-            for lane in 0..LANES {
-                sums[lane] += values[lane] * x[columns[lane] as usize - first];
+    pub(crate) fn for_rows(&self, rows: Range<usize>, mut visit: impl FnMut(usize, Row<'_>)) {
+        let blocks = rows.start / BLOCK..rows.end.div_ceil(BLOCK);
+        for (index, block) in blocks.clone().zip(&self.blocks[blocks]) {
+            let first = index * BLOCK;
+            let local = rows.start.saturating_sub(first)..(rows.end - first).min(BLOCK);
+            let starts = block.start[local.start..=local.end].windows(2);
+            let own = block.diagonal[local.clone()].iter().zip(&block.divisor[local.clone()]);
+            for ((start, (&diagonal, &divisor)), i) in starts.zip(own).zip(first + local.start..) {
+                let range = start[0] as usize..start[1] as usize;
+                let (columns, values) = (&block.column[range.clone()], &block.value[range]);
+                visit(i, Row { columns, values, diagonal, divisor });
             }
         }
-        for (&column, &value) in last_columns.iter().zip(last_values) {
-            sums[0] += value * x[column as usize - first];
-        }
-        x[i - first] + ((sums[0] + sums[1]) + (sums[2] + sums[3]))
     }
 
     /// The rows whose values products of the rows in `range` may need, those themselves among
@@ -159,19 +193,19 @@ impl SparseMatrix {
     ) -> [Entry<R>; S] {
         let blocks = rows.start / BLOCK..rows.end.div_ceil(BLOCK);
         sums.resize(blocks.len(), [[0.0; R]; S]);
-        self.blocks[blocks]
-            .par_iter()
-            .zip(y[rows.clone()].par_chunks_mut(BLOCK).zip(sums.par_iter_mut()))
+        y[rows.clone()]
+            .par_chunks_mut(BLOCK)
+            .zip(sums.par_iter_mut())
             .with_min_len(4)
             .enumerate()
-            .for_each(|(block, (entries, (y, sum)))| {
-                let mut own = [[0.0; R]; S];
-                for (local, y) in y.iter_mut().enumerate() {
-                    let i = rows.start + block * BLOCK + local;
-                    *y = entries.times(local, i, x);
-                    visit(i, y, &mut own);
-                }
-                *sum = own;
+            .for_each(|(block, (y, sum))| {
+                *sum = [[0.0; R]; S];
+                let first = rows.start + block * BLOCK;
+                self.for_rows(first..first + y.len(), |i, row| {
+                    let y = &mut y[i - first];
+                    *y = row.times(x[i], x);
+                    visit(i, y, sum);
+                });
             });
         total(sums)
     }

@@ -57,13 +57,11 @@ pub(crate) fn correction(
     let interpolated =
         (&levels.weights * around).sum_dim_intlist([1i64].as_slice(), false, r.kind());
     let alone: Tensor = 1.0 - &graph.active;
-    let mut x: Tensor = gate(1) * interpolated + alone * r;
-    let mut before = x.shallow_clone();
-    for layer in 0..LAYERS {
-        let mut next = &x + gate(2 + layer) * (r - graph.product(&x));
-        if layer > 0 {
-            next += gate(1 + LAYERS + layer) * (&x - &before);
-        }
+    let mut before: Tensor = gate(1) * interpolated + alone * r;
+    let mut x = &before + gate(2) * r;
+    for layer in 1..LAYERS {
+        let carried = gate(1 + LAYERS + layer) * (&x - &before);
+        let next = &x + gate(2 + layer) * (r - graph.product(&x)) + carried;
         before = x;
         x = next;
     }

@@ -1,12 +1,12 @@
 //! The networks on a frame, outside of a run: what training and tests work on.
 
-use super::lattice::{self, Cells, Coarse};
+use super::lattice::{self, Coarse, Places};
 use super::paper::{self, Links, Paper};
 use super::residual::{self, Level, Residual};
 use super::{Network, Weights};
 use crate::frame::Frame;
 use crate::neighbours::{CellGrid, Neighbours};
-use crate::sparse::SparseMatrix;
+use crate::sparse::{Row, SparseMatrix};
 use nalgebra::Point2;
 
 /// A frame as the residual network sees it.
@@ -28,7 +28,7 @@ pub struct ResidualGraph {
 
 struct Levels {
     matrix: SparseMatrix,
-    cells: Cells,
+    places: Places,
     coarse: Coarse,
 }
 
@@ -44,33 +44,33 @@ fn known(frame: &Frame) -> Vec<bool> {
 fn levels(frame: &Frame) -> Levels {
     let matrix = frame.matrix();
     let position = points(frame);
-    let (mut cells, mut coarse) = (Cells::default(), Coarse::default());
+    let (mut places, mut coarse) = (Places::default(), Coarse::default());
     let spacing = frame.scales.spacing;
-    cells.sort(&position, spacing, lattice::shape(&position, spacing));
-    coarse.factorize(&cells, &matrix);
-    Levels { matrix, cells, coarse }
+    places.find(&position, spacing, lattice::shape(&position, spacing));
+    coarse.factorize(&places, &matrix);
+    Levels { matrix, places, coarse }
 }
 
 impl ResidualGraph {
     /// The graph of `frame`.
     #[must_use]
     pub fn new(frame: &Frame) -> Self {
-        let Levels { matrix, cells, coarse, .. } = levels(frame);
-        let count = cells.shape.nodes();
+        let Levels { matrix, places, coarse, .. } = levels(frame);
+        let count = places.shape.nodes();
         let mut transposed = vec![0.0f32; count * count];
         for (node, column) in transposed.chunks_exact_mut(count.max(1)).enumerate() {
             column[node] = 1.0;
             coarse.solve(column);
         }
         let inverse = (0..count * count).map(|k| transposed[k % count * count + k / count]);
-        let features = |i| residual::features(&matrix, &cells, usize::from(frame.walls[i]), i);
+        let features = |i| residual::features(&matrix, &places, usize::from(frame.walls[i]), i);
         Self {
             features: (0..frame.len()).flat_map(features).collect(),
             divisor: frame.divisor.clone(),
-            nodes: (cells.place.iter())
-                .flat_map(|place| place.nodes(cells.shape).map(|node| node as u32))
+            nodes: (places.place.iter())
+                .flat_map(|place| place.nodes(places.shape).map(|node| node as u32))
                 .collect(),
-            weights: cells.place.iter().flat_map(|place| place.weights()).collect(),
+            weights: places.place.iter().flat_map(|place| place.weights()).collect(),
             node_count: count,
             coarse_inverse: inverse.collect(),
         }
@@ -140,13 +140,14 @@ impl Network {
     pub fn correction(&self, frame: &Frame) -> Vec<f32> {
         match &self.0 {
             Weights::Residual(weights) => {
-                let mut levels = levels(frame);
+                let levels = levels(frame);
                 let walls = |i: usize| usize::from(frame.walls[i]);
                 let mut gates = Vec::new();
-                weights.all_gates(&levels.matrix, &levels.cells, walls, &mut gates);
-                let Levels { matrix, cells, coarse } = &mut levels;
-                let level = Level { cells, coarse, gates: &gates };
-                Residual::default().correction(level, matrix, &frame.residual).0.to_vec()
+                weights.all_gates(&levels.matrix, &levels.places, walls, &mut gates);
+                let Levels { matrix, places, coarse } = &levels;
+                let level = Level { places, coarse, gates: &gates };
+                let residual = |i: usize, _: Row<'_>| [f64::from(frame.residual[i]), 0.0];
+                Residual::default().correction(level, matrix, residual).0.to_vec()
             }
             Weights::Paper(weights) => {
                 let graph = PaperGraph::new(frame);

@@ -11,6 +11,7 @@
 //! where that of everything else grows as N.
 
 use crate::neighbours::BLOCK;
+use crate::particles::permute;
 use crate::sparse::SparseMatrix;
 use nalgebra::Point2;
 use rayon::prelude::*;
@@ -83,16 +84,12 @@ impl Place {
     }
 }
 
-/// Particles in the cells of a lattice.
+/// Where the particles stand in a lattice.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Cells {
+pub(crate) struct Places {
     pub(crate) shape: Shape,
     /// Place of each particle.
     pub(crate) place: Vec<Place>,
-    start: Vec<u32>,
-    particles: Vec<u32>,
-    #[serde(skip)]
-    sums: Vec<[f32; 4]>,
 }
 
 /// The shape of a lattice that holds the particles at `position`.
@@ -108,10 +105,10 @@ pub(crate) fn shape(position: &[Point2<f64>], spacing: f64) -> Shape {
     Shape { first, columns, rows }
 }
 
-impl Cells {
-    /// Sorts the particles at `position` into the cells of a lattice of this `shape`; one that is
-    /// outside counts to the nearest cell.
-    pub(crate) fn sort(&mut self, position: &[Point2<f64>], spacing: f64, shape: Shape) {
+impl Places {
+    /// Places the particles at `position` in a lattice of this `shape`; one that is outside counts to
+    /// the nearest cell.
+    pub(crate) fn find(&mut self, position: &[Point2<f64>], spacing: f64, shape: Shape) {
         self.shape = shape;
         self.place.resize(position.len(), Place::default());
         self.place.par_chunks_mut(BLOCK).zip(position.par_chunks(BLOCK)).for_each(|(place, x)| {
@@ -119,59 +116,32 @@ impl Cells {
                 *place = Place::of(*x, spacing, shape);
             }
         });
-        let cell = |place: &Place| place.column as usize * shape.rows + place.row as usize;
-        self.start.clear();
-        self.start.resize(shape.nodes() + 1, 0);
-        for place in &self.place {
-            self.start[cell(place) + 1] += 1;
-        }
-        for cell in 1..self.start.len() {
-            self.start[cell] += self.start[cell - 1];
-        }
-        self.particles.resize(position.len(), 0);
-        // Filled from the back, so that each cell lists its particles in rising order.
-        for (particle, place) in self.place.iter().enumerate().rev() {
-            let end = &mut self.start[cell(place) + 1];
-            *end -= 1;
-            self.particles[*end as usize] = particle as u32;
-        }
-        self.start.rotate_left(1);
-        if let Some(last) = self.start.last_mut() {
-            *last = position.len() as u32;
-        }
     }
 
-    fn of(&self, cell: usize) -> &[u32] {
-        &self.particles[self.start[cell] as usize..self.start[cell + 1] as usize]
+    /// One more particle, at `position`.
+    pub(crate) fn add(&mut self, position: Point2<f64>, spacing: f64) {
+        self.place.push(Place::of(position, spacing, self.shape));
     }
 
-    /// Pᵀ v: for each node the sum of a particle's `value` times its weight.
-    pub(crate) fn restrict(&mut self, value: &[f32], coarse: &mut Vec<f32>) {
-        let mut sums = std::mem::take(&mut self.sums);
-        sums.resize(self.shape.nodes(), [0.0; 4]);
-        let this = &*self;
-        sums.par_iter_mut().with_min_len(64).enumerate().for_each(|(cell, sum)| {
-            *sum = [0.0; 4];
-            for &i in this.of(cell) {
-                let value = value[i as usize];
-                for (sum, weight) in sum.iter_mut().zip(this.place[i as usize].weights()) {
-                    *sum += weight * value;
-                }
-            }
-        });
-        let shape = self.shape;
-        coarse.clear();
-        coarse.resize(shape.nodes(), 0.0);
-        for (cell, sum) in sums.iter().enumerate() {
-            let (column, row) = (cell / shape.rows, cell % shape.rows);
-            if column + 1 < shape.columns && row + 1 < shape.rows {
-                coarse[cell] += sum[0];
-                coarse[cell + 1] += sum[1];
-                coarse[cell + shape.rows] += sum[2];
-                coarse[cell + shape.rows + 1] += sum[3];
+    /// The new i-th particle is the old `order[i]`-th and keeps its place.
+    pub(crate) fn renumber(&mut self, order: &[u32]) {
+        permute(&mut self.place, order, &mut Vec::new());
+    }
+
+    /// Pᵀ v of the particles from `first` on, whose values are `value`: for each node around the sum of a
+    /// particle's value times its weight.
+    pub(crate) fn restrict(&self, first: usize, value: &[f32], around: &mut Around) {
+        let (shape, places) = (self.shape, &self.place[first..first + value.len()]);
+        let columns = places.iter().map(|place| place.column as usize);
+        let (low, high) = columns.fold((usize::MAX, 0), |(low, high), c| (low.min(c), high.max(c)));
+        around.first = low.min(high) * shape.rows;
+        around.sums.clear();
+        around.sums.resize((high + 2) * shape.rows - around.first, 0.0);
+        for (place, value) in places.iter().zip(value) {
+            for (node, weight) in place.nodes(shape).into_iter().zip(place.weights()) {
+                around.sums[node - around.first] += weight * value;
             }
         }
-        self.sums = sums;
     }
 
     /// (P c)_i at particle `i`.
@@ -181,6 +151,58 @@ impl Cells {
         let nodes = place.nodes(self.shape);
         let weights = place.weights();
         (0..4).map(|k| weights[k] * coarse[nodes[k]]).sum()
+    }
+}
+
+/// Sums for the nodes around some particles, from node `first` on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Around {
+    first: usize,
+    sums: Vec<f32>,
+}
+
+impl Around {
+    /// Adds the sums to those of the whole lattice.
+    pub(crate) fn add_to(&self, nodes: &mut [f32]) {
+        for (node, sum) in nodes[self.first..].iter_mut().zip(&self.sums) {
+            *node += sum;
+        }
+    }
+}
+
+/// The particles of each cell, in rising order.
+struct Cells {
+    start: Vec<u32>,
+    particles: Vec<u32>,
+}
+
+impl Cells {
+    fn new(places: &Places) -> Self {
+        let shape = places.shape;
+        let cell = |place: &Place| place.column as usize * shape.rows + place.row as usize;
+        let mut start = vec![0u32; shape.nodes() + 1];
+        for place in &places.place {
+            start[cell(place) + 1] += 1;
+        }
+        for cell in 1..start.len() {
+            start[cell] += start[cell - 1];
+        }
+        let mut particles = vec![0; places.place.len()];
+        // Filled from the back, so that each cell lists its particles in rising order.
+        for (particle, place) in places.place.iter().enumerate().rev() {
+            let end = &mut start[cell(place) + 1];
+            *end -= 1;
+            particles[*end as usize] = particle as u32;
+        }
+        start.rotate_left(1);
+        if let Some(last) = start.last_mut() {
+            *last = particles.len() as u32;
+        }
+        Self { start, particles }
+    }
+
+    fn of(&self, cell: usize) -> &[u32] {
+        &self.particles[self.start[cell] as usize..self.start[cell + 1] as usize]
     }
 }
 
@@ -194,16 +216,16 @@ pub(crate) struct Coarse {
 }
 
 impl Coarse {
-    /// Assembles Pᵀ D A P for the particles in `cells` and factorizes it. Rows that stand alone are not
-    /// in it.
-    pub(crate) fn factorize(&mut self, cells: &Cells, matrix: &SparseMatrix) {
-        let shape = cells.shape;
-        let mut weights = vec![Weights::default(); cells.place.len()];
+    /// Assembles Pᵀ D A P for the particles at these `places` and factorizes it. Rows that stand alone are
+    /// not in it.
+    pub(crate) fn factorize(&mut self, places: &Places, matrix: &SparseMatrix) {
+        let (shape, cells) = (places.shape, Cells::new(places));
+        let mut weights = vec![Weights::default(); places.place.len()];
         weights.par_chunks_mut(BLOCK).enumerate().for_each(|(block, weights)| {
             for (offset, weights) in weights.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
                 if !matrix.stands_alone(i) {
-                    *weights = cells.place[i].weights();
+                    *weights = places.place[i].weights();
                 }
             }
         });
@@ -211,7 +233,7 @@ impl Coarse {
         blocks.par_iter_mut().with_min_len(16).enumerate().for_each(|(cell, block)| {
             let corner = ((cell / shape.rows) as u32, (cell % shape.rows) as u32);
             for &i in cells.of(cell) {
-                add_row(&cells.place, &weights, matrix, corner, i as usize, block);
+                add_row(&places.place, &weights, matrix, corner, i as usize, block);
             }
         });
         let (n, band) = (shape.nodes(), shape.band());
@@ -271,33 +293,35 @@ fn add_row(
     block: &mut [f64; CELL],
 ) {
     // By the cell that a neighbour is in, of three by three: it is less than a cell away.
-    let mut parts = [[0.0f64; 4]; 9];
-    let mut add = |i: usize, value: f64| {
+    // Two sums of each, so that a neighbour need not wait for the one before.
+    let mut parts = [[[0.0f32; 4]; 12]; 2];
+    let mut add = |i: usize, value: f32, turn: usize| {
         let column = (place[i].column + 1).wrapping_sub(corner.0) as usize;
         let row = (place[i].row + 1).wrapping_sub(corner.1) as usize;
         if column < 3 && row < 3 {
-            for (part, weight) in parts[column * 3 + row].iter_mut().zip(weights[i]) {
-                *part += value * f64::from(weight);
+            for (part, weight) in parts[turn][column * 4 + row].iter_mut().zip(weights[i]) {
+                *part += value * weight;
             }
         }
     };
-    add(i, 1.0);
+    add(i, 1.0, 0);
     let (columns, values) = matrix.row(i);
-    for (&j, &value) in columns.iter().zip(values) {
-        add(j as usize, f64::from(value));
+    for (k, (&j, &value)) in columns.iter().zip(values).enumerate() {
+        add(j as usize, value, k % 2);
     }
-    let mut reached = [0.0f64; REACH * REACH];
-    for (cell, part) in parts.iter().enumerate() {
-        let first = cell / 3 * REACH + cell % 3;
-        for (k, value) in part.iter().enumerate() {
-            reached[first + k / 2 * REACH + k % 2] += value;
+    let mut reached = [0.0f32; REACH * REACH];
+    for (first, (even, odd)) in parts[0].iter().zip(&parts[1]).enumerate() {
+        if first % REACH < 3 {
+            for k in 0..4 {
+                reached[first + k / 2 * REACH + k % 2] += even[k] + odd[k];
+            }
         }
     }
-    let divisor = f64::from(matrix.divisor(i));
+    let divisor = matrix.divisor(i);
     for (entries, weight) in block.chunks_exact_mut(REACH * REACH).zip(weights[i]) {
-        let weight = divisor * f64::from(weight);
+        let weight = divisor * weight;
         for (entry, value) in entries.iter_mut().zip(&reached) {
-            *entry += weight * value;
+            *entry += f64::from(weight * value);
         }
     }
 }

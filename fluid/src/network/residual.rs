@@ -8,22 +8,24 @@
 //!
 //! 1. coarse level: x⁰ = g_P · P (Pᵀ D A P)⁻¹ Pᵀ D (g_R · r), see `lattice`, reaches bed and
 //!    far walls at once;
-//! 2. fine level: [`LAYERS`] layers of message passing on the particle graph. Particle j sends
-//!    a_ij x_j, the operator's own weight, and with the sum m_i of its messages, its own part
-//!    included, particle i goes on by x_i ← x_i + g_step (r_i − m_i) + g_carry (x_i − x_i before).
+//! 2. fine level: [`LAYERS`] layers. The first goes with the coarse level and takes the residual as it
+//!    came, x¹ = x⁰ + g_step r: what either is for, the other hardly sees, and a pass over the matrix is
+//!    saved. The others are message passing on the particle graph. Particle j sends a_ij x_j, the
+//!    operator's own weight, and with the sum m_i of its messages, its own part included, particle i goes on
+//!    by x_i ← x_i + g_step (r_i − m_i) + g_carry (x_i − x_i before).
 //!
 //! With gates of one and a constant step this is a two-level correction with damped Jacobi sweeps.
 
 use super::NetworkError;
-use super::lattice::{Cells, Coarse};
+use super::lattice::{Around, Coarse, Places};
 use super::weights::Tensors;
 use crate::neighbours::BLOCK;
-use crate::sparse::SparseMatrix;
+use crate::sparse::{Row, SparseMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Layers of message passing.
+/// Layers of the fine level.
 pub const LAYERS: usize = 3;
 /// Numbers that tell a particle's geometry.
 pub const FEATURES: usize = 6;
@@ -97,15 +99,15 @@ impl ResidualWeights {
     pub(crate) fn all_gates(
         &self,
         matrix: &SparseMatrix,
-        cells: &Cells,
+        places: &Places,
         walls: impl Fn(usize) -> usize + Sync,
         gates: &mut Vec<Gates>,
     ) {
-        gates.resize(cells.place.len(), [0.0; GATES + 1]);
+        gates.resize(places.place.len(), [0.0; GATES + 1]);
         gates.par_chunks_mut(BLOCK).enumerate().for_each(|(block, gates)| {
             for (offset, gates) in gates.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
-                *gates = self.gates(features(matrix, cells, walls(i), i));
+                *gates = self.gates(features(matrix, places, walls(i), i));
             }
         });
     }
@@ -117,7 +119,7 @@ impl ResidualWeights {
 #[inline(always)]
 pub(crate) fn features(
     matrix: &SparseMatrix,
-    cells: &Cells,
+    places: &Places,
     walls: usize,
     i: usize,
 ) -> [f32; FEATURES] {
@@ -128,7 +130,7 @@ pub(crate) fn features(
         size += a.abs();
         square += a * a;
     }
-    let place = cells.place[i];
+    let place = places.place[i];
     let bubble = |x: f32| 4.0 * x * (1.0 - x);
     [
         1.0 + sum,
@@ -140,31 +142,48 @@ pub(crate) fn features(
     ]
 }
 
-/// Rows whose layers are worked off together, so that their part of the matrix is fetched once.
+/// Rows that follow each other and are worked off together: small enough for what is fetched for them to
+/// stay at hand, many enough for few others to be fetched.
 const SLAB: usize = 16 * BLOCK;
 
 /// The network at work.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Residual {
-    coarse: Vec<f32>,
+    r: Vec<f32>,
+    nodes: Vec<f32>,
     start: Vec<f32>,
     found: Vec<f32>,
     slabs: Vec<Slab>,
 }
 
-/// Values of the layers around a slab, and the sum of squares of its residual.
+/// What belongs to a slab of rows.
 #[derive(Clone, Debug, Default)]
 struct Slab {
+    /// What its particles send to the coarse level, and what comes of it there.
+    sent: Vec<f32>,
+    around: Around,
+    /// Values of the layers of messages around.
     x: Vec<f32>,
     before: Vec<f32>,
     next: Vec<f32>,
-    square: f64,
+    squares: Squares,
+}
+
+/// Sums of squares, Pa².
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Squares {
+    /// Of the residual.
+    pub(crate) residual: f64,
+    /// Of the right-hand side.
+    pub(crate) rhs: f64,
+    /// Of the residual that was left before the last layer.
+    pub(crate) left: f64,
 }
 
 /// The coarse level of a step, and the gates that were found with it.
 pub(crate) struct Level<'a> {
     /// Where the particles stand in its lattice.
-    pub(crate) cells: &'a mut Cells,
+    pub(crate) places: &'a Places,
     pub(crate) coarse: &'a Coarse,
     /// Of each particle.
     pub(crate) gates: &'a [Gates],
@@ -179,40 +198,49 @@ struct Layers<'a> {
 }
 
 impl Residual {
-    /// The correction for the residual `r` (Pa) of the rows of `matrix`, Pa, and the sum of the
-    /// squares of the residual that was left before the last layer, Pa². A row that stands alone, as
-    /// those of the surface do, is corrected by its residual.
+    /// The correction for `matrix`, Pa. `residual` gives the residual and the right-hand side of a row, Pa. A row that stands alone, as those of the surface do, is corrected by its residual.
     pub(crate) fn correction(
         &mut self,
         level: Level<'_>,
         matrix: &SparseMatrix,
-        r: &[f32],
-    ) -> (&[f32], f64) {
-        let Level { cells, coarse, gates } = level;
-        let n = r.len();
+        residual: impl Fn(usize, Row<'_>) -> [f64; 2] + Sync,
+    ) -> (&[f32], Squares) {
+        let Level { places, coarse, gates } = level;
+        let n = gates.len();
+        self.r.resize(n, 0.0);
         self.start.resize(n, 0.0);
         self.found.resize(n, 0.0);
         self.slabs.resize_with(n.div_ceil(SLAB), Slab::default);
-        // In the place of what it will be: what each particle sends to the coarse level.
-        let sent = &mut self.found;
-        sent.par_chunks_mut(BLOCK).enumerate().for_each(|(block, sent)| {
-            for (offset, sent) in sent.iter_mut().enumerate() {
-                let i = block * BLOCK + offset;
-                *sent = match matrix.stands_alone(i) {
+        let slabs = self.r.par_chunks_mut(SLAB).zip(&mut self.slabs);
+        slabs.enumerate().for_each(|(index, (r, slab))| {
+            let first = index * SLAB;
+            slab.squares = Squares::default();
+            slab.sent.clear();
+            matrix.for_rows(first..first + r.len(), |i, row| {
+                let [residual, rhs] = residual(i, row);
+                slab.squares.residual += residual * residual;
+                slab.squares.rhs += rhs * rhs;
+                r[i - first] = residual as f32;
+                slab.sent.push(match row.stands_alone() {
                     true => 0.0,
-                    false => matrix.divisor(i) * gates[i][0] * r[i],
-                };
-            }
+                    false => row.divisor * gates[i][0] * residual as f32,
+                });
+            });
+            places.restrict(first, &slab.sent, &mut slab.around);
         });
-        cells.restrict(sent, &mut self.coarse);
-        coarse.solve(&mut self.coarse);
-        let (cells, nodes) = (&*cells, &self.coarse);
-        self.start.par_chunks_mut(BLOCK).enumerate().for_each(|(block, x)| {
+        self.nodes.clear();
+        self.nodes.resize(places.shape.nodes(), 0.0);
+        for slab in &self.slabs {
+            slab.around.add_to(&mut self.nodes);
+        }
+        coarse.solve(&mut self.nodes);
+        let (r, nodes) = (&self.r, &self.nodes);
+        self.start.par_chunks_mut(BLOCK).with_min_len(8).enumerate().for_each(|(block, x)| {
             for (offset, x) in x.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
                 *x = match matrix.stands_alone(i) {
                     true => r[i],
-                    false => gates[i][1] * cells.interpolate(i, nodes),
+                    false => gates[i][1] * places.interpolate(i, nodes) + gates[i][2] * r[i],
                 };
             }
         });
@@ -221,42 +249,47 @@ impl Residual {
         slabs.enumerate().for_each(|(index, (found, slab))| {
             slab.work(layers, start, index * SLAB, found);
         });
-        (&self.found, self.slabs.iter().map(|slab| slab.square).sum())
+        let squares = self.slabs.iter().fold(Squares::default(), |sum, slab| Squares {
+            residual: sum.residual + slab.squares.residual,
+            rhs: sum.rhs + slab.squares.rhs,
+            left: sum.left + slab.squares.left,
+        });
+        (&self.found, squares)
     }
 }
 
 impl Slab {
-    /// All layers for the rows from `first` on that `found` is for, from `start`. A layer is worked
-    /// off for as many rows around as the next one reaches.
+    /// All layers of messages for the rows from `first` on that `found` is for, from `start`. A layer is
+    /// worked off for as many rows around as the next one reaches.
     fn work(&mut self, layers: Layers<'_>, start: &[f32], first: usize, found: &mut [f32]) {
         let Layers { gates, matrix, r } = layers;
-        let mut ranges: [Range<usize>; LAYERS + 1] =
+        let mut ranges: [Range<usize>; LAYERS] =
             std::array::from_fn(|_| first..first + found.len());
-        for layer in (0..LAYERS).rev() {
-            ranges[layer] = matrix.reach(ranges[layer + 1].clone());
+        for layer in (1..LAYERS).rev() {
+            ranges[layer - 1] = matrix.reach(ranges[layer].clone());
         }
         let low = ranges[0].start;
         self.x.clear();
         self.x.extend_from_slice(&start[ranges[0].clone()]);
         self.before.resize(self.x.len(), 0.0);
         self.next.resize(self.x.len(), 0.0);
-        for layer in 0..LAYERS {
-            self.square = 0.0;
-            for i in ranges[layer + 1].clone() {
-                let own = i - low;
-                if matrix.stands_alone(i) {
-                    self.next[own] = r[i];
-                    continue;
+        for layer in 1..LAYERS {
+            let Self { x, before, next, squares, .. } = self;
+            squares.left = 0.0;
+            matrix.for_rows(ranges[layer].clone(), |i, row| {
+                let (own, gate) = (i - low, &gates[i]);
+                if row.stands_alone() {
+                    next[own] = r[i];
+                    return;
                 }
-                let gate = &gates[i];
-                let left = r[i] - matrix.times_single(i, &self.x, low);
-                self.square += f64::from(left) * f64::from(left);
-                let mut next = self.x[own] + gate[2 + layer] * left;
-                if layer > 0 {
-                    next += gate[1 + LAYERS + layer] * (self.x[own] - self.before[own]);
-                }
-                self.next[own] = next;
-            }
+                let left = r[i] - row.times_single(x[own], x, low);
+                squares.left += f64::from(left) * f64::from(left);
+                let last = match layer {
+                    1 => gate[2] * r[i],
+                    _ => x[own] - before[own],
+                };
+                next[own] = x[own] + gate[2 + layer] * left + gate[1 + LAYERS + layer] * last;
+            });
             std::mem::swap(&mut self.before, &mut self.x);
             std::mem::swap(&mut self.x, &mut self.next);
         }

@@ -8,11 +8,11 @@ use crate::error::FluidError;
 use crate::frame::{Assembled, Frame};
 use crate::neighbours::BLOCK;
 use crate::network::paper::{self, Paper, PaperWeights};
-use crate::network::residual::{Residual, ResidualWeights};
+use crate::network::residual::{Residual, ResidualWeights, Squares};
 use crate::network::{Inference, Network, Weights};
 use crate::pressure::poisson::Poisson;
 use crate::pressure::solver::{PressureReport, PressureSettings, PressureSolver, Problem, Start};
-use crate::sparse::Entry;
+use crate::sparse::{Entry, Row};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
@@ -25,7 +25,6 @@ pub(crate) struct NetworkSolver {
     guarded: bool,
     residual: Residual,
     paper: Paper,
-    single: Vec<f32>,
     product: Vec<[f64; 1]>,
     sums: Vec<[Entry<1>; 2]>,
     poisson: Poisson,
@@ -46,25 +45,24 @@ impl NetworkSolver {
             guarded,
             residual: Residual::default(),
             paper: Paper::default(),
-            single: Vec::new(),
             product: Vec::new(),
             sums: Vec::new(),
             poisson: Poisson::new(PressureSettings { start: Start::Given, ..settings }),
         }
     }
 
-    /// Adds the residual network's correction to the pressure; the sum of the squares of the
-    /// residual before its last layer, Pa².
-    fn correct(&mut self, weights: &ResidualWeights, problem: &mut Problem<'_>) -> f64 {
-        let (fields, matrix) = (problem.fields, problem.matrix);
-        self.single.resize(self.product.len(), 0.0);
-        self.single.par_chunks_mut(BLOCK).zip(self.product.par_chunks(BLOCK)).for_each(
-            |(single, r)| single.iter_mut().zip(r).for_each(|(single, r)| *single = r[0] as f32),
-        );
-        let level = problem.memory.coarse(fields, matrix, problem.step, |cells, gates| {
-            weights.all_gates(matrix, cells, |i| fields.wall_lists.of(i).len(), gates);
+    /// Adds the residual network's correction to the pressure.
+    fn correct(&mut self, weights: &ResidualWeights, problem: &mut Problem<'_>) -> Squares {
+        let (fields, matrix, rhs) = (problem.fields, problem.matrix, problem.rhs);
+        let level = problem.memory.coarse(fields, matrix, problem.step, |places, gates| {
+            weights.all_gates(matrix, places, |i| fields.wall_lists.of(i).len(), gates);
         });
-        let (correction, left) = self.residual.correction(level, matrix, &self.single);
+        let last = &*problem.pressure;
+        let residual = |i: usize, row: Row<'_>| {
+            let [product] = row.times(last[i], last);
+            [rhs[i][0] - product, rhs[i][0]]
+        };
+        let (correction, squares) = self.residual.correction(level, matrix, residual);
         problem
             .pressure
             .par_chunks_mut(BLOCK)
@@ -75,7 +73,7 @@ impl NetworkSolver {
                     p[0] += f64::from(*change);
                 }
             });
-        left
+        squares
     }
 
     /// Adds the change of the pressure that the network finds elsewhere; its residual is known.
@@ -127,18 +125,22 @@ impl NetworkSolver {
 impl PressureSolver for NetworkSolver {
     fn solve(&mut self, mut problem: Problem<'_>) -> Result<PressureReport, FluidError> {
         let begun = Instant::now();
-        let (before, size) = problem.residual(&mut self.product, &mut self.sums);
         let weights = Arc::clone(&self.weights);
         let elsewhere = self.elsewhere.clone();
-        let mut after = match (elsewhere, &*weights) {
+        let Squares { residual: before, rhs: size, left: mut after } = match (elsewhere, &*weights)
+        {
             (Some(elsewhere), _) => {
+                let (residual, rhs) = problem.residual(&mut self.product, &mut self.sums);
                 self.correct_elsewhere(&*elsewhere, &mut problem)?;
-                problem.residual(&mut self.product, &mut self.sums).0
+                let (left, _) = problem.residual(&mut self.product, &mut self.sums);
+                Squares { residual, rhs, left }
             }
             (None, Weights::Residual(weights)) => self.correct(weights, &mut problem),
             (None, Weights::Paper(weights)) => {
+                let (residual, rhs) = problem.residual(&mut self.product, &mut self.sums);
                 self.replace(weights, &mut problem);
-                problem.residual(&mut self.product, &mut self.sums).0
+                let (left, _) = problem.residual(&mut self.product, &mut self.sums);
+                Squares { residual, rhs, left }
             }
         };
         for _ in 0..self.settings.sweeps {

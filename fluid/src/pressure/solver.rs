@@ -6,10 +6,12 @@ use crate::fields::Fields;
 use crate::frame::Scales;
 use crate::krylov::{Stop, System};
 use crate::neighbours::BLOCK;
-use crate::network::lattice::{self, Cells, Coarse};
+use crate::network::lattice::{self, Coarse, Places};
 use crate::network::residual::{Gates, Level};
+use crate::particles::permute;
 use crate::preconditioner::Preconditioner;
 use crate::sparse::{Entry, SparseMatrix};
+use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Duration;
@@ -56,14 +58,14 @@ pub(crate) struct PressureMemory {
     /// One without factors.
     #[serde(skip)]
     diagonal: Preconditioner,
-    cells: Cells,
+    places: Places,
     coarse: Coarse,
     coarse_at: Option<u64>,
     gates: Vec<Gates>,
 }
 
-/// Steps that the network's coarse level lasts. Until they are numbered anew, particles keep their places
-/// in it, as if it went with the water: it fits its factors better so than with places of the step.
+/// Steps that the network's coarse level and gates last. Particles keep their places in it, as if it went
+/// with the water: it fits its factors better so than with places of the step.
 const COARSE_LASTS: u64 = 24;
 
 impl PressureMemory {
@@ -89,34 +91,40 @@ impl PressureMemory {
         System { matrix, preconditioner, rows }
     }
 
-    /// The network's coarse level, the particles' places in it and their gates, all of this step or a
-    /// few steps back. `gates` makes the gates.
+    /// The network's coarse level, the particles' places in it and their gates, all of this step or of
+    /// the same step back. `gates` makes the gates.
     pub(crate) fn coarse(
         &mut self,
         fields: Fields,
         matrix: &SparseMatrix,
         step: u64,
-        gates: impl Fn(&Cells, &mut Vec<Gates>),
+        gates: impl Fn(&Places, &mut Vec<Gates>),
     ) -> Level<'_> {
         let position = fields.position;
-        let due = self.coarse_at.is_none_or(|built| step - built >= COARSE_LASTS);
-        if due || self.gates.len() != position.len() {
-            let shape =
-                if due { lattice::shape(position, fields.spacing) } else { self.cells.shape };
-            self.cells.sort(position, fields.spacing, shape);
-            if due {
-                self.coarse.factorize(&self.cells, matrix);
-                self.coarse_at = Some(step);
-            }
-            gates(&self.cells, &mut self.gates);
+        if self.coarse_at.is_none_or(|built| step - built >= COARSE_LASTS) {
+            self.places.find(position, fields.spacing, lattice::shape(position, fields.spacing));
+            self.coarse.factorize(&self.places, matrix);
+            gates(&self.places, &mut self.gates);
+            self.coarse_at = Some(step);
         }
-        Level { cells: &mut self.cells, coarse: &self.coarse, gates: &self.gates }
+        Level { places: &self.places, coarse: &self.coarse, gates: &self.gates }
     }
 
-    /// The particles have been renumbered: factors and places of the old numbering are of no use.
-    pub(crate) fn forget(&mut self) {
+    /// One more particle, at `position`, which takes its gates from particle `like`.
+    pub(crate) fn add(&mut self, position: Point2<f64>, spacing: f64, like: usize) {
+        if self.coarse_at.is_some() {
+            self.places.add(position, spacing);
+            self.gates.push(self.gates[like]);
+        }
+    }
+
+    /// The new i-th particle is the old `order[i]`-th. Factors of the old numbering are of no use.
+    pub(crate) fn renumber(&mut self, order: &[u32]) {
         self.preconditioner.forget();
-        self.gates.clear();
+        if self.coarse_at.is_some() {
+            self.places.renumber(order);
+            permute(&mut self.gates, order, &mut Vec::new());
+        }
     }
 }
 
