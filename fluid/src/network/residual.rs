@@ -198,7 +198,8 @@ struct Layers<'a> {
 }
 
 impl Residual {
-    /// The correction for `matrix`, Pa. `residual` gives the residual and the right-hand side of a row, Pa. A row that stands alone, as those of the surface do, is corrected by its residual.
+    /// The correction for `matrix`, Pa. `residual` gives the residual and the right-hand side of a row,
+    /// Pa. A row that stands alone, as those of the surface do, is corrected by its residual.
     pub(crate) fn correction(
         &mut self,
         level: Level<'_>,
