@@ -26,6 +26,12 @@ const SURFACE_STRENGTH: f64 = 0.5;
 const CLOSEST: f64 = 0.3;
 /// A wall reaches this far beyond its end, in spacings, so that nothing slips out at a corner.
 const OVERHANG: f64 = 1e-9;
+/// Distance in spacings on either side of a piece's end over which one mirror gives way to the next, the last
+/// of a face to none.
+const OVERLAP: f64 = 0.25;
+/// Distance in spacings before a wall over which what is mirrored in it comes in. What stands behind its plane, around a
+/// corner, has no image: that would be in the water.
+const BEFORE: f64 = 0.2;
 /// A particle further behind a wall than this, in spacings, is on the other side of what it bounds.
 const DEEPEST: f64 = -1.0;
 /// Walls whose normals differ by less than this (cosine) count as one.
@@ -57,7 +63,10 @@ pub(crate) fn contacts(fields: Fields, rows: &Rows) -> [Option<Contact>; 2] {
     let mut contacts: [Option<Contact>; 2] = [None; 2];
     for wall in rows.walls.iter().chain(&rows.dry_walls) {
         let d = Vector2::new(wall.basis[0], wall.basis[1]);
-        let Some(distance) = foot(fields, d, wall.normal, wall.index) else { continue };
+        let Some((distance, beyond)) = foot(fields, d, wall.normal, wall.index) else { continue };
+        if beyond > OVERHANG {
+            continue;
+        }
         let wall_velocity = fields.walls.velocity[wall.index as usize].dot(&wall.normal);
         let found = Contact { distance, normal: wall.normal, wall_velocity };
         let same = |known: &Contact| known.normal.dot(&found.normal) > SAME_WALL;
@@ -108,12 +117,13 @@ pub(crate) fn collision(
     ahead * (-0.5 * (approach - allowed).max(0.0))
 }
 
-/// Distance to the wall particle's piece if the perpendicular from the centre meets it.
-fn foot(fields: Fields, d: Vector2<f64>, normal: Vector2<f64>, w: u32) -> Option<f64> {
+/// Distance of the centre to the wall particle's piece, and how far the foot of the perpendicular is beyond the
+/// piece's end, less than nought between its ends, both in spacings.
+fn foot(fields: Fields, d: Vector2<f64>, normal: Vector2<f64>, w: u32) -> Option<(f64, f64)> {
     let distance = -d.dot(&normal);
-    let beside = (d + distance * normal).norm_squared().sqrt();
+    let beside = (d + distance * normal).norm();
     let half_piece = 0.5 * fields.walls.length[w as usize] / fields.spacing;
-    (beside <= half_piece + OVERHANG && distance > DEEPEST).then_some(distance)
+    (distance > DEEPEST).then_some((distance, beside - half_piece))
 }
 
 /// Part of the filter's rate for particle `i`: more on the surface, where short waves would grow,
@@ -199,22 +209,25 @@ fn repulsion(fields: Fields, rows: &Rows, of_surface_only: bool) -> (Vector2<f64
     let pushing = || (0..values.len()).filter(|&k| values.on_surface()[k] || !of_surface_only);
     let mut sum = Vector2::zeros();
     let mut close = 0.0;
-    let mut add = |d: Vector2<f64>| {
+    let mut add = |d: Vector2<f64>, part: f64| {
         let (force, closeness) = push(d.x, d.y);
-        close += closeness;
-        sum += Vector2::from(force);
+        close += part * closeness;
+        sum += part * Vector2::from(force);
     };
-    pushing().for_each(|k| add(values.offset(k)));
+    pushing().for_each(|k| add(values.offset(k), 1.0));
     // A wall acts as a mirror: the particle's own image and those of its neighbours.
     for wall in rows.walls.iter().chain(&rows.dry_walls) {
         let d = Vector2::new(wall.basis[0], wall.basis[1]);
-        let Some(distance) = foot(fields, d, wall.normal, wall.index) else { continue };
-        if distance > RANGE {
+        let Some((distance, beyond)) = foot(fields, d, wall.normal, wall.index) else { continue };
+        let met = ((OVERLAP - beyond) / (2.0 * OVERLAP)).clamp(0.0, 1.0);
+        if met == 0.0 || distance > RANGE {
             continue;
         }
-        add(-2.0 * distance * wall.normal);
+        add(-2.0 * distance * wall.normal, met);
         for d in pushing().map(|k| values.offset(k)) {
-            add(d - 2.0 * (distance + d.dot(&wall.normal)) * wall.normal);
+            let height = distance + d.dot(&wall.normal);
+            let before = (height / BEFORE).clamp(0.0, 1.0);
+            add(d - 2.0 * height * wall.normal, met * before * before * (3.0 - 2.0 * before));
         }
     }
     (sum, close)

@@ -6,6 +6,7 @@ mod fit;
 mod krylov;
 mod manufactured;
 mod network;
+mod regularise;
 mod standing_wave;
 
 /// A number in (−1, 1) that looks random and is the same in every run: the digits of a sine.
