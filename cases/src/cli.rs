@@ -180,6 +180,9 @@ pub(crate) struct BenchPressureArguments {
     /// Steps that are compared, after 8 that are not
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub(crate) steps: u64,
+    /// Residual relative to the right-hand side to which the warm pressure equation is solved
+    #[arg(long, value_name = "T", default_value_t = 1e-3)]
+    pub(crate) tolerance: f64,
     /// Threads to use; without it as many as there are processors
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,

@@ -270,14 +270,15 @@ fn bench_pressure(arguments: &BenchPressureArguments) -> Result<(), Stop> {
         "row particles D/dx solver           tolerance iterations processor_ms median_ms least_ms divergence_1/s\n",
     );
     for &row in &arguments.rows {
-        let found = pressure_bench::bench(row, arguments.steps, threads(arguments.threads))
+        let threads = threads(arguments.threads);
+        let found = pressure_bench::bench(row, arguments.steps, threads, arguments.tolerance)
             .map_err(|error| match error {
-                BenchError::Row(_) => refused(error),
+                BenchError::Row(_) | BenchError::Case(_) => refused(error),
                 _ => Stop { message: error.to_string(), code: FAILED },
             })?;
         for r in &found {
             say(&format!(
-                "{:<3} {:>9} {:>4.0} {:<18} {:>7.0e} {:>10.1} {:>12.2} {:>9.2} {:>8.2} {:>14.1e}\n",
+                "{:<3} {:>9} {:>4.0} {:<16} {:>9.1e} {:>10.1} {:>12.2} {:>9.2} {:>8.2} {:>14.1e}\n",
                 r.row,
                 r.particles,
                 r.depth_over_spacing,

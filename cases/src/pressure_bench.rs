@@ -73,10 +73,10 @@ pub struct BenchRow {
     pub divergence_left_per_s: f64,
 }
 
-/// The solvers that are compared, by name.
+/// The solvers that are compared, by name; `tolerance` is that of the warm ones.
 #[must_use]
-pub fn solvers() -> Vec<(&'static str, PressureSettings)> {
-    let own = PressureSettings::default();
+pub fn solvers(tolerance: f64) -> Vec<(&'static str, PressureSettings)> {
+    let own = PressureSettings { tolerance, ..PressureSettings::default() };
     let (cold, diagonal) = (Start::Cold, PreconditionerKind::Diagonal);
     vec![
         (
@@ -90,17 +90,23 @@ pub fn solvers() -> Vec<(&'static str, PressureSettings)> {
     ]
 }
 
-/// Compares the solvers at row `row` of Table 1 over `steps` steps, on `threads` threads.
+/// Compares the solvers at row `row` of Table 1 over `steps` steps, on `threads` threads, the warm
+/// pressure equation solved to `tolerance`.
 ///
 /// # Errors
 /// [`BenchError`].
-pub fn bench(row: usize, steps: u64, threads: usize) -> Result<Vec<BenchRow>, BenchError> {
+pub fn bench(
+    row: usize,
+    steps: u64,
+    threads: usize,
+    tolerance: f64,
+) -> Result<Vec<BenchRow>, BenchError> {
     let &(depth, length) =
         row.checked_sub(1).and_then(|index| TABLE_1.get(index)).ok_or(BenchError::Row(row))?;
     let text = format!(
         "end_time_s = 1.0\n[tank]\nlength_m = {length:?}\nheight_m = {:?}\n[water]\n\
          depth_m = {depth:?}\nstanding_wave = {{ amplitude_m = 0.02, half_waves = {} }}\n\
-         [numerics]\nparticle_spacing_m = 0.01\n",
+         [numerics]\nparticle_spacing_m = 0.01\n[pressure]\ntolerance = {tolerance:?}\n",
         2.0 * depth,
         length.round(),
     );
@@ -114,7 +120,7 @@ fn compare(row: usize, case: &Case, steps: u64) -> Result<Vec<BenchRow>, BenchEr
     fluid.enter_initialization_mode(0.0)?;
     fluid.exit_initialization_mode()?;
     let h = case.scene.time_step();
-    let solvers = solvers();
+    let solvers = solvers(case.scene.fluid.pressure.tolerance);
     let mut rivals: Vec<_> = solvers.iter().map(|(_, settings)| fluid.rival(*settings)).collect();
     let mut reports = vec![Vec::new(); solvers.len()];
     let mut processor = vec![Some(Duration::ZERO); solvers.len()];

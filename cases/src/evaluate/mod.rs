@@ -40,10 +40,10 @@ pub enum EvaluateError {
 }
 
 /// What is compared, by name: the network, no correction at all, sweeps, a few iterations, and the
-/// pressure equation solved as runs do by default.
+/// pressure equation solved as runs do by default, but to `tolerance`.
 #[must_use]
-pub fn solvers() -> Vec<(&'static str, PressureSettings)> {
-    let own = PressureSettings::default();
+pub fn solvers(tolerance: f64) -> Vec<(&'static str, PressureSettings)> {
+    let own = PressureSettings { tolerance, ..PressureSettings::default() };
     let capped = PressureSettings {
         solver: SolverKind::Capped,
         start: Start::Given,

@@ -37,7 +37,8 @@ struct Course {
     rows: Vec<(f64, f64, f64)>,
 }
 
-/// Runs `asked` (a case with overrides) with every solver. Samples are `interval` (s) apart.
+/// Runs `asked` (a case with overrides) with every solver, the pressure equation to the tolerance of
+/// the case. Samples are `interval` (s) apart.
 ///
 /// # Errors
 /// [`EvaluateError`], not for a run that fails but for the reference.
@@ -71,7 +72,7 @@ pub fn rollout(
             .map(|elevation| rms(&mut elevation.iter().copied()))
             .fold(0.0, f64::max);
         let mut rows = Vec::new();
-        for (solver, settings) in solvers() {
+        for (solver, settings) in solvers(case.scene.fluid.pressure.tolerance) {
             observe(solver);
             let mut other = case.clone();
             other.scene.fluid.pressure = settings;

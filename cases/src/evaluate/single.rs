@@ -4,6 +4,7 @@ use super::{EvaluateError, solvers};
 use crate::case::Case;
 use crate::dataset::{Campaign, Split};
 use crate::simulation::Simulation;
+use seakeep_fluid::setup::PressureSettings;
 use seakeep_fluid::trial::{Guess, Outcome, Region, Trial};
 use serde::Serialize;
 
@@ -64,7 +65,7 @@ pub fn single_steps(
     if planned.is_empty() {
         return Err(EvaluateError::NoTest);
     }
-    let solvers = solvers();
+    let solvers = solvers(PressureSettings::default().tolerance);
     let mut found: Vec<Vec<(Outcome, usize)>> = vec![Vec::new(); solvers.len()];
     let mut modes: Vec<Vec<Outcome>> = vec![Vec::new(); solvers.len() * WAVELENGTHS.len()];
     pool.install(|| {
