@@ -146,8 +146,10 @@ impl Network {
                 weights.all_gates(&levels.matrix, &levels.places, walls, &mut gates);
                 let Levels { matrix, places, coarse } = &levels;
                 let level = Level { places, coarse, gates: &gates };
-                let residual = |i: usize, _: Row<'_>| [f64::from(frame.residual[i]), 0.0];
-                Residual::default().correction(level, matrix, residual).0.to_vec()
+                let residual = |i: usize, _: Row<'_>, _: &[_]| [f64::from(frame.residual[i]), 0.0];
+                let mut change = vec![[0.0]; frame.len()];
+                Residual::default().correct(level, matrix, &mut change, residual);
+                change.iter().map(|change| change[0] as f32).collect()
             }
             Weights::Paper(weights) => {
                 let graph = PaperGraph::new(frame);

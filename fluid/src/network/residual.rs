@@ -151,8 +151,6 @@ const SLAB: usize = 16 * BLOCK;
 pub(crate) struct Residual {
     r: Vec<f32>,
     nodes: Vec<f32>,
-    start: Vec<f32>,
-    found: Vec<f32>,
     slabs: Vec<Slab>,
 }
 
@@ -181,6 +179,7 @@ pub(crate) struct Squares {
 }
 
 /// The coarse level of a step, and the gates that were found with it.
+#[derive(Clone, Copy)]
 pub(crate) struct Level<'a> {
     /// Where the particles stand in its lattice.
     pub(crate) places: &'a Places,
@@ -192,33 +191,36 @@ pub(crate) struct Level<'a> {
 /// What the layers work on.
 #[derive(Clone, Copy)]
 struct Layers<'a> {
-    gates: &'a [Gates],
+    level: Level<'a>,
+    /// What the coarse level found.
+    nodes: &'a [f32],
     matrix: &'a SparseMatrix,
     r: &'a [f32],
 }
 
 impl Residual {
-    /// The correction for `matrix`, Pa. `residual` gives the residual and the right-hand side of a row,
-    /// Pa. A row that stands alone, as those of the surface do, is corrected by its residual.
-    pub(crate) fn correction(
+    /// Adds the correction for `matrix` to the `pressure`, Pa. `residual` gives the residual that a row
+    /// leaves in it, and the right-hand side, Pa. A row that stands alone, as those of the surface do, is
+    /// corrected by its residual.
+    pub(crate) fn correct(
         &mut self,
         level: Level<'_>,
         matrix: &SparseMatrix,
-        residual: impl Fn(usize, Row<'_>) -> [f64; 2] + Sync,
-    ) -> (&[f32], Squares) {
+        pressure: &mut [[f64; 1]],
+        residual: impl Fn(usize, Row<'_>, &[[f64; 1]]) -> [f64; 2] + Sync,
+    ) -> Squares {
         let Level { places, coarse, gates } = level;
         let n = gates.len();
         self.r.resize(n, 0.0);
-        self.start.resize(n, 0.0);
-        self.found.resize(n, 0.0);
         self.slabs.resize_with(n.div_ceil(SLAB), Slab::default);
         let slabs = self.r.par_chunks_mut(SLAB).zip(&mut self.slabs);
+        let last = &*pressure;
         slabs.enumerate().for_each(|(index, (r, slab))| {
             let first = index * SLAB;
             slab.squares = Squares::default();
             slab.sent.clear();
             matrix.for_rows(first..first + r.len(), |i, row| {
-                let [residual, rhs] = residual(i, row);
+                let [residual, rhs] = residual(i, row, last);
                 slab.squares.residual += residual * residual;
                 slab.squares.rhs += rhs * rhs;
                 r[i - first] = residual as f32;
@@ -235,43 +237,37 @@ impl Residual {
             slab.around.add_to(&mut self.nodes);
         }
         coarse.solve(&mut self.nodes);
-        let (r, nodes) = (&self.r, &self.nodes);
-        self.start.par_chunks_mut(BLOCK).with_min_len(8).enumerate().for_each(|(block, x)| {
-            for (offset, x) in x.iter_mut().enumerate() {
-                let i = block * BLOCK + offset;
-                *x = match matrix.stands_alone(i) {
-                    true => r[i],
-                    false => gates[i][1] * places.interpolate(i, nodes) + gates[i][2] * r[i],
-                };
-            }
+        let layers = Layers { level, nodes: &self.nodes, matrix, r: &self.r };
+        let slabs = pressure.par_chunks_mut(SLAB).zip(&mut self.slabs);
+        slabs.enumerate().for_each(|(index, (pressure, slab))| {
+            slab.work(layers, index * SLAB, pressure);
         });
-        let (layers, start) = (Layers { gates, matrix, r }, &self.start);
-        let slabs = self.found.par_chunks_mut(SLAB).zip(&mut self.slabs);
-        slabs.enumerate().for_each(|(index, (found, slab))| {
-            slab.work(layers, start, index * SLAB, found);
-        });
-        let squares = self.slabs.iter().fold(Squares::default(), |sum, slab| Squares {
+        self.slabs.iter().fold(Squares::default(), |sum, slab| Squares {
             residual: sum.residual + slab.squares.residual,
             rhs: sum.rhs + slab.squares.rhs,
             left: sum.left + slab.squares.left,
-        });
-        (&self.found, squares)
+        })
     }
 }
 
 impl Slab {
-    /// All layers of messages for the rows from `first` on that `found` is for, from `start`. A layer is
-    /// worked off for as many rows around as the next one reaches.
-    fn work(&mut self, layers: Layers<'_>, start: &[f32], first: usize, found: &mut [f32]) {
-        let Layers { gates, matrix, r } = layers;
+    /// All layers for the rows from `first` on that `pressure` is of, to which what they find is added. A
+    /// layer is worked off for as many rows around as the next one reaches.
+    fn work(&mut self, layers: Layers<'_>, first: usize, pressure: &mut [[f64; 1]]) {
+        let Layers { level: Level { places, gates, .. }, nodes, matrix, r } = layers;
         let mut ranges: [Range<usize>; LAYERS] =
-            std::array::from_fn(|_| first..first + found.len());
+            std::array::from_fn(|_| first..first + pressure.len());
         for layer in (1..LAYERS).rev() {
             ranges[layer - 1] = matrix.reach(ranges[layer].clone());
         }
         let low = ranges[0].start;
         self.x.clear();
-        self.x.extend_from_slice(&start[ranges[0].clone()]);
+        matrix.for_rows(ranges[0].clone(), |i, row| {
+            self.x.push(match row.stands_alone() {
+                true => r[i],
+                false => gates[i][1] * places.interpolate(i, nodes) + gates[i][2] * r[i],
+            });
+        });
         self.before.resize(self.x.len(), 0.0);
         self.next.resize(self.x.len(), 0.0);
         for layer in 1..LAYERS {
@@ -294,6 +290,8 @@ impl Slab {
             std::mem::swap(&mut self.before, &mut self.x);
             std::mem::swap(&mut self.x, &mut self.next);
         }
-        found.copy_from_slice(&self.x[first - low..first - low + found.len()]);
+        for (p, change) in pressure.iter_mut().zip(&self.x[first - low..]) {
+            p[0] += f64::from(*change);
+        }
     }
 }

@@ -6,14 +6,12 @@
 
 use crate::error::FluidError;
 use crate::frame::{Assembled, Frame};
-use crate::neighbours::BLOCK;
 use crate::network::paper::{self, Paper, PaperWeights};
 use crate::network::residual::{Residual, ResidualWeights, Squares};
 use crate::network::{Inference, Network, Weights};
 use crate::pressure::poisson::Poisson;
 use crate::pressure::solver::{PressureReport, PressureSettings, PressureSolver, Problem, Start};
 use crate::sparse::{Entry, Row};
-use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -57,23 +55,11 @@ impl NetworkSolver {
         let level = problem.memory.coarse(fields, matrix, problem.step, |places, gates| {
             weights.all_gates(matrix, places, |i| fields.wall_lists.of(i).len(), gates);
         });
-        let last = &*problem.pressure;
-        let residual = |i: usize, row: Row<'_>| {
+        let residual = |i: usize, row: Row<'_>, last: &[[f64; 1]]| {
             let [product] = row.times(last[i], last);
             [rhs[i][0] - product, rhs[i][0]]
         };
-        let (correction, squares) = self.residual.correction(level, matrix, residual);
-        problem
-            .pressure
-            .par_chunks_mut(BLOCK)
-            .zip(correction.par_chunks(BLOCK))
-            .with_min_len(8)
-            .for_each(|(p, change)| {
-                for (p, change) in p.iter_mut().zip(change) {
-                    p[0] += f64::from(*change);
-                }
-            });
-        squares
+        self.residual.correct(level, matrix, problem.pressure, residual)
     }
 
     /// Adds the change of the pressure that the network finds elsewhere; its residual is known.

@@ -48,8 +48,10 @@ impl Tank {
         let mut gates = Vec::new();
         weights.all_gates(&self.matrix, &self.places, |_| 0, &mut gates);
         let level = Level { places: &self.places, coarse: &self.coarse, gates: &gates };
-        let residual = |i: usize, _: Row<'_>| [f64::from(r[i]), 0.0];
-        Residual::default().correction(level, &self.matrix, residual).0.to_vec()
+        let residual = |i: usize, _: Row<'_>, _: &[_]| [f64::from(r[i]), 0.0];
+        let mut change = vec![[0.0]; r.len()];
+        Residual::default().correct(level, &self.matrix, &mut change, residual);
+        change.iter().map(|change| change[0] as f32).collect()
     }
 }
 
