@@ -72,8 +72,10 @@ impl Fluid {
             *x += (*old + new) * (0.5 * h);
             *old = *new;
         }
+        let memory = self.setup.pressure.solver.steps_of_change();
         for (i, value) in pressure.iter().enumerate() {
-            particles.pressure_change[i] = value - particles.pressure[i];
+            let change = &mut particles.pressure_change[i];
+            *change += (value - particles.pressure[i] - *change) / memory;
             particles.pressure[i] = *value;
         }
         particles.on_surface.copy_from_slice(&self.work.on_surface);

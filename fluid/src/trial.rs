@@ -3,7 +3,7 @@
 
 use crate::error::FluidError;
 use crate::fluid::Fluid;
-use crate::pressure::solver::{PressureReport, PressureSettings};
+use crate::pressure::solver::{PressureReport, PressureSettings, Start};
 use crate::walls::Owner;
 use std::f64::consts::TAU;
 
@@ -82,11 +82,11 @@ impl Fluid {
         let last = self.last_pressure();
         let region: Vec<Region> = (0..exact.len()).map(|i| self.region(i)).collect();
         for trial in trials {
-            let guess = match trial.guess {
-                Guess::Last => last.clone(),
-                Guess::Mode(wavelength) => self.with_mode(&exact, wavelength),
+            let (guess, start) = match trial.guess {
+                Guess::Last => (last.clone(), trial.settings.start),
+                Guess::Mode(wavelength) => (self.with_mode(&exact, wavelength), Start::Given),
             };
-            let mut rival = self.rival(trial.settings);
+            let mut rival = self.rival(PressureSettings { start, ..trial.settings });
             let (report, found) = self.solve_again(h, guess.clone(), &mut rival)?;
             let mut outcome = Outcome { report, ..Outcome::default() };
             for (i, exact) in exact.iter().enumerate() {

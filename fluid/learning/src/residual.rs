@@ -3,7 +3,7 @@
 use crate::graph::{Graph, indices};
 use seakeep_fluid::frame::Frame;
 use seakeep_fluid::network::ResidualGraph;
-use seakeep_fluid::network::residual::{FEATURES, LAYERS};
+use seakeep_fluid::network::residual::FEATURES;
 use tch::{Device, Tensor};
 
 /// What this network alone needs of a frame.
@@ -57,13 +57,7 @@ pub(crate) fn correction(
     let interpolated =
         (&levels.weights * around).sum_dim_intlist([1i64].as_slice(), false, r.kind());
     let alone: Tensor = 1.0 - &graph.active;
-    let mut before: Tensor = gate(1) * interpolated + alone * r;
-    let mut x = &before + gate(2) * r;
-    for layer in 1..LAYERS {
-        let carried = gate(1 + LAYERS + layer) * (&x - &before);
-        let next = &x + gate(2 + layer) * (r - graph.product(&x)) + carried;
-        before = x;
-        x = next;
-    }
-    x
+    let x = gate(1) * interpolated + gate(2) * r + alone * r;
+    let left = r - graph.product(&x);
+    &x + gate(3) * left + gate(4) * r
 }

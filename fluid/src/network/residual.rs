@@ -8,13 +8,12 @@
 //!
 //! 1. coarse level: x⁰ = g_P · P (Pᵀ D A P)⁻¹ Pᵀ D (g_R · r), see `lattice`, reaches bed and
 //!    far walls at once;
-//! 2. fine level: [`LAYERS`] layers. The first goes with the coarse level and takes the residual as it
-//!    came, x¹ = x⁰ + g_step r: what either is for, the other hardly sees, and a pass over the matrix is
-//!    saved. The others are message passing on the particle graph. Particle j sends a_ij x_j, the
-//!    operator's own weight, and with the sum m_i of its messages, its own part included, particle i goes on
-//!    by x_i ← x_i + g_step (r_i − m_i) + g_carry (x_i − x_i before).
+//! 2. fine level: x¹ = x⁰ + g_first r, which takes the residual as it came: what either level is for,
+//!    the other hardly sees, and a pass over the matrix is saved. Then message passing on the particle
+//!    graph: particle j sends a_ij x¹_j, the operator's own weight, and with the sum m_i of its messages,
+//!    its own part included, particle i answers by x_i = x¹_i + g_step (r_i − m_i) + g_again r_i.
 //!
-//! With gates of one and a constant step this is a two-level correction with damped Jacobi sweeps.
+//! With gates of one and a constant step this is a two-level correction with two damped Jacobi sweeps.
 
 use super::NetworkError;
 use super::lattice::{Around, Coarse, Places};
@@ -23,17 +22,14 @@ use crate::neighbours::BLOCK;
 use crate::sparse::{Row, SparseMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
 
-/// Layers of the fine level.
-pub const LAYERS: usize = 3;
 /// Numbers that tell a particle's geometry.
 pub const FEATURES: usize = 6;
 /// Width of the encoder.
 pub const WIDTH: usize = 16;
-/// Gates of a particle: to the coarse level, from it, a step for each layer, and from the second
-/// layer on how much of the last change is carried on.
-pub const GATES: usize = 2 + LAYERS + (LAYERS - 1);
+/// Gates of a particle: to the coarse level, from it, and of its own residual; its step by what its
+/// messages leave, and once more of its residual.
+pub const GATES: usize = 5;
 
 /// Names and shapes of the tensors, as they are in a weights file.
 pub const TENSORS: [(&str, &[usize]); 4] = [
@@ -43,12 +39,11 @@ pub const TENSORS: [(&str, &[usize]); 4] = [
     ("gates.bias", &[GATES]),
 ];
 
-/// Gates before training: Chebyshev steps for the part of the spectrum above the lattice's, found
-/// on a regular arrangement.
-pub const INITIAL_GATES: [f32; GATES] = [1.0, 1.0, 0.45, 0.6, 1.1, 0.0, 0.0];
+/// Gates before training: steps for the part of the spectrum above the lattice's.
+pub const INITIAL_GATES: [f32; GATES] = [1.0, 1.0, 0.5, 0.8, 0.0];
 
-/// Gates of a particle, and one that is not used: rows of eight are quicker.
-pub(crate) type Gates = [f32; GATES + 1];
+/// Gates of a particle, and some that are not used: rows of eight are quicker.
+pub(crate) type Gates = [f32; 8];
 
 /// The weights, a row for each input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -103,7 +98,7 @@ impl ResidualWeights {
         walls: impl Fn(usize) -> usize + Sync,
         gates: &mut Vec<Gates>,
     ) {
-        gates.resize(places.place.len(), [0.0; GATES + 1]);
+        gates.resize(places.place.len(), [0.0; 8]);
         gates.par_chunks_mut(BLOCK).enumerate().for_each(|(block, gates)| {
             for (offset, gates) in gates.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
@@ -160,10 +155,8 @@ struct Slab {
     /// What its particles send to the coarse level, and what comes of it there.
     sent: Vec<f32>,
     around: Around,
-    /// Values of the layers of messages around.
+    /// What particles around send: values before the messages.
     x: Vec<f32>,
-    before: Vec<f32>,
-    next: Vec<f32>,
     squares: Squares,
 }
 
@@ -174,7 +167,7 @@ pub(crate) struct Squares {
     pub(crate) residual: f64,
     /// Of the right-hand side.
     pub(crate) rhs: f64,
-    /// Of the residual that was left before the last layer.
+    /// Of the residual that was left before the messages.
     pub(crate) left: f64,
 }
 
@@ -188,9 +181,9 @@ pub(crate) struct Level<'a> {
     pub(crate) gates: &'a [Gates],
 }
 
-/// What the layers work on.
+/// What the levels work on.
 #[derive(Clone, Copy)]
-struct Layers<'a> {
+struct Levels<'a> {
     level: Level<'a>,
     /// What the coarse level found.
     nodes: &'a [f32],
@@ -237,10 +230,10 @@ impl Residual {
             slab.around.add_to(&mut self.nodes);
         }
         coarse.solve(&mut self.nodes);
-        let layers = Layers { level, nodes: &self.nodes, matrix, r: &self.r };
+        let levels = Levels { level, nodes: &self.nodes, matrix, r: &self.r };
         let slabs = pressure.par_chunks_mut(SLAB).zip(&mut self.slabs);
         slabs.enumerate().for_each(|(index, (pressure, slab))| {
-            slab.work(layers, index * SLAB, pressure);
+            slab.work(levels, index * SLAB, pressure);
         });
         self.slabs.iter().fold(Squares::default(), |sum, slab| Squares {
             residual: sum.residual + slab.squares.residual,
@@ -251,47 +244,30 @@ impl Residual {
 }
 
 impl Slab {
-    /// All layers for the rows from `first` on that `pressure` is of, to which what they find is added. A
-    /// layer is worked off for as many rows around as the next one reaches.
-    fn work(&mut self, layers: Layers<'_>, first: usize, pressure: &mut [[f64; 1]]) {
-        let Layers { level: Level { places, gates, .. }, nodes, matrix, r } = layers;
-        let mut ranges: [Range<usize>; LAYERS] =
-            std::array::from_fn(|_| first..first + pressure.len());
-        for layer in (1..LAYERS).rev() {
-            ranges[layer - 1] = matrix.reach(ranges[layer].clone());
-        }
-        let low = ranges[0].start;
-        self.x.clear();
-        matrix.for_rows(ranges[0].clone(), |i, row| {
-            self.x.push(match row.stands_alone() {
+    /// Both levels for the rows from `first` on that `pressure` is of, to which what they find is added.
+    fn work(&mut self, levels: Levels<'_>, first: usize, pressure: &mut [[f64; 1]]) {
+        let Levels { level: Level { places, gates, .. }, nodes, matrix, r } = levels;
+        let rows = first..first + pressure.len();
+        let around = matrix.reach(rows.clone());
+        let low = around.start;
+        let Self { x, squares, .. } = self;
+        x.clear();
+        matrix.for_rows(around, |i, row| {
+            x.push(match row.stands_alone() {
                 true => r[i],
                 false => gates[i][1] * places.interpolate(i, nodes) + gates[i][2] * r[i],
             });
         });
-        self.before.resize(self.x.len(), 0.0);
-        self.next.resize(self.x.len(), 0.0);
-        for layer in 1..LAYERS {
-            let Self { x, before, next, squares, .. } = self;
-            squares.left = 0.0;
-            matrix.for_rows(ranges[layer].clone(), |i, row| {
-                let (own, gate) = (i - low, &gates[i]);
-                if row.stands_alone() {
-                    next[own] = r[i];
-                    return;
-                }
-                let left = r[i] - row.times_single(x[own], x, low);
+        matrix.for_rows(rows, |i, row| {
+            let (own, [_, _, _, step, again, ..]) = (x[i - low], gates[i]);
+            let change = if row.stands_alone() {
+                own
+            } else {
+                let left = r[i] - row.times_single(own, x, low);
                 squares.left += f64::from(left) * f64::from(left);
-                let last = match layer {
-                    1 => gate[2] * r[i],
-                    _ => x[own] - before[own],
-                };
-                next[own] = x[own] + gate[2 + layer] * left + gate[1 + LAYERS + layer] * last;
-            });
-            std::mem::swap(&mut self.before, &mut self.x);
-            std::mem::swap(&mut self.x, &mut self.next);
-        }
-        for (p, change) in pressure.iter_mut().zip(&self.x[first - low..]) {
-            p[0] += f64::from(*change);
-        }
+                own + step * left + again * r[i]
+            };
+            pressure[i - first][0] += f64::from(change);
+        });
     }
 }

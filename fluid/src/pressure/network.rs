@@ -113,6 +113,9 @@ impl PressureSolver for NetworkSolver {
         let begun = Instant::now();
         let weights = Arc::clone(&self.weights);
         let elsewhere = self.elsewhere.clone();
+        if matches!(*weights, Weights::Residual(_)) {
+            problem.start(self.settings.start);
+        }
         let Squares { residual: before, rhs: size, left: mut after } = match (elsewhere, &*weights)
         {
             (Some(elsewhere), _) => {

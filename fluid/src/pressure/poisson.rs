@@ -3,7 +3,7 @@
 use crate::error::FluidError;
 use crate::krylov::{Krylov, Report, Stop};
 use crate::pressure::solver::{
-    PressureReport, PressureSettings, PressureSolver, Problem, SolverKind, Start,
+    PressureReport, PressureSettings, PressureSolver, Problem, SolverKind,
 };
 use crate::sparse::Entry;
 use std::time::Instant;
@@ -54,18 +54,7 @@ impl Poisson {
 impl PressureSolver for Poisson {
     fn solve(&mut self, mut problem: Problem<'_>) -> Result<PressureReport, FluidError> {
         let begun = Instant::now();
-        match self.settings.start {
-            Start::Given => {}
-            Start::Cold => problem.pressure.fill([0.0]),
-            Start::Warm => {
-                let carried = problem.change.iter().zip(problem.fields.on_surface);
-                for (p, (change, surface)) in problem.pressure.iter_mut().zip(carried) {
-                    if !surface {
-                        p[0] += change;
-                    }
-                }
-            }
-        }
+        problem.start(self.settings.start);
         let (stop, rows) = (problem.stop, 0..problem.rhs.len());
         let kind = self.settings.preconditioner;
         let system = problem.memory.system(kind, problem.matrix, rows, problem.step);

@@ -4,10 +4,11 @@
 use crate::network::lattice::{self, Around, Coarse, LEAST_DIAGONAL, Places};
 use crate::network::residual::{Level, Residual};
 use crate::network::{Network, NetworkError, Weights};
+use crate::pressure::solver::SolverKind;
 use crate::sparse::{Row, SparseMatrix};
 use crate::tests::krylov::{Grid, times};
 use crate::tests::scatter;
-use nalgebra::{Complex, DMatrix, DVector, Point2};
+use nalgebra::{Complex, DMatrix, DVector, Matrix3, Point2};
 
 const SPACING: f64 = 0.02;
 const GRID: Grid = Grid { columns: 30, rows: 17 };
@@ -128,7 +129,26 @@ fn twice_the_residual_is_corrected_twice_as_much() {
     assert!(once.iter().zip(&twice).all(|(once, twice)| 2.0 * once == *twice));
 }
 
-/// The growth λ of a mode a step is a root of λ² − 2 e λ + e = 0: |λ| < 1, for real e −1/3 < e < 1.
+/// The growth of a mode a step where a network leaves the part `e` of what it starts from: the pressure
+/// and its mean change, of which `new` is the last one's part. With p the pressure, c its change and d the
+/// pressure that would take away the divergence that is there: p' = e (p + c) + (1 − e) d,
+/// c' = c + new (p' − p − c), d' = d − p'.
+fn growth(e: Complex<f64>, new: f64) -> f64 {
+    let one = Complex::new(1.0, 0.0);
+    let next = Matrix3::new(
+        e,
+        e,
+        one - e,
+        (e - one) * new,
+        one + (e - one) * new,
+        (one - e) * new,
+        -e,
+        -e,
+        e,
+    );
+    next.schur().eigenvalues().unwrap().iter().map(|root| root.norm()).fold(0.0, f64::max)
+}
+
 #[test]
 fn every_mode_is_corrected_within_the_bounds_of_stability() {
     let mut tank = Tank::new();
@@ -139,15 +159,22 @@ fn every_mode_is_corrected_within_the_bounds_of_stability() {
         unit[column] = 1.0;
         left.column_mut(column).copy_from_slice(&tank.left(&unit));
     }
-    let growth = |e: Complex<f64>| {
-        let root = (e * e - e).sqrt();
-        (e + root).norm().max((e - root).norm())
-    };
+    let new = 1.0 / SolverKind::Network.steps_of_change();
     let factors = left.complex_eigenvalues();
-    let most = factors.iter().map(|e| growth(*e)).fold(0.0, f64::max);
-    assert!(most < 0.9, "{most}");
-    // A matrix without a correction leaves all as it was, which grows.
-    assert!(growth(Complex::new(1.0, 0.0)) >= 1.0 && growth(Complex::new(-0.34, 0.0)) > 1.0);
+    let most = factors.iter().map(|e| growth(*e, new)).fold(0.0, f64::max);
+    assert!(most < 0.95, "{most}");
+}
+
+/// The bounds that [`SolverKind::steps_of_change`] names.
+#[test]
+fn a_network_that_leaves_too_much_or_overshoots_grows() {
+    for (steps, lowest, highest) in [(1.0, -1.0 / 7.0, 0.5), (5.0, -0.3, 0.84)] {
+        for (e, within) in [(lowest, 1.0), (highest, -1.0)] {
+            let growth = |e: f64| growth(Complex::new(e, 0.0), 1.0 / steps);
+            let (inside, outside) = (growth(e + 0.01 * within), growth(e - 0.01 * within));
+            assert!(inside < 1.0 && outside > 1.0, "{e}: {inside}, {outside}");
+        }
+    }
 }
 
 #[test]
