@@ -181,7 +181,8 @@ pub struct PressureReport {
     /// Residual of the start relative to the right-hand side, 2-norms.
     pub residual_before: f64,
     /// Residual of the solution relative to the right-hand side, 2-norms. That of a network without
-    /// sweeps is the residual before its last layer, which comes for nothing.
+    /// sweeps is the residual before its messages, which comes for nothing; a guarded one looks again where
+    /// that is too much.
     pub residual: f64,
     /// Root-mean-square divergence that the solution leaves in the velocity, 1/s.
     pub divergence_left: f64,
