@@ -98,7 +98,7 @@ impl ResidualWeights {
         walls: impl Fn(usize) -> usize + Sync,
         gates: &mut Vec<Gates>,
     ) {
-        gates.resize(places.place.len(), [0.0; 8]);
+        gates.resize(places.place.len(), Gates::default());
         gates.par_chunks_mut(BLOCK).enumerate().for_each(|(block, gates)| {
             for (offset, gates) in gates.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
