@@ -15,7 +15,7 @@ use seakeep_coupler::{CouplerError, FixedStepMaster};
 use seakeep_fluid::frame::Frame;
 use seakeep_fluid::setup::InitialFlow;
 use seakeep_fluid::trial::{Outcome, Trial};
-use seakeep_fluid::{Fluid, FluidError, ParticleCounts, Plan};
+use seakeep_fluid::{Fluid, FluidError, ParticleCounts, ParticlesView, Plan};
 use std::time::Duration;
 use thiserror::Error;
 
@@ -233,8 +233,14 @@ impl Simulation {
 
     /// The particles as they are.
     #[must_use]
+    pub fn particles(&self) -> ParticlesView<'_> {
+        self.fluid.particles()
+    }
+
+    /// The particles as a frame of the results has them.
+    #[must_use]
     pub fn frame(&self) -> Vec<FramePoint> {
-        let view = self.fluid.particles();
+        let view = self.particles();
         view.position
             .iter()
             .zip(view.velocity)

@@ -12,7 +12,7 @@ pub(crate) struct Particles {
     pub(crate) velocity: Vec<Vector2<f64>>,
     /// Dynamic pressure p_d = p + ρ g (y − D) of the last step, Pa.
     pub(crate) pressure: Vec<f64>,
-    /// Change of the dynamic pressure over the last step, Pa.
+    /// Change of the dynamic pressure over a step, Pa: the mean of the solver's `steps_of_change`.
     pub(crate) pressure_change: Vec<f64>,
     /// Divergence near bodies that the last step's pressure asked for in vain, 1/s; see
     /// [`crate::pressure::repeated`].

@@ -141,32 +141,50 @@ pub(crate) fn filter(fields: Fields, i: usize, rows: &Rows) -> f64 {
     }
 }
 
-/// Height of the smooth surface over surface particle `i`, in spacings: of the parabola that fits
-/// its neighbours on the surface and, with the weight of the nearest, itself.
-pub(crate) fn surface_roughness(fields: Fields, i: usize, rows: &Rows) -> f64 {
+/// What the smooth surface has more than a particle on it.
+pub(crate) struct AlongSurface {
+    /// Height, in spacings along the normal.
+    pub(crate) height: f64,
+    /// Velocity, m/s.
+    pub(crate) velocity: Vector2<f64>,
+}
+
+/// How surface particle `i` differs from parabolas along the surface that fit height and velocity of
+/// its neighbours on the surface and, with the weight of the nearest, its own. `None` at its end:
+/// parabolas would be carried on from one side.
+///
+/// A fit over all neighbours would have them on one side only, so that the growth of waves towards
+/// the surface, e^(kz), counts as roughness, of one sign in crests and the other in troughs. As
+/// crests are faster than troughs, taking it away drives a current against the waves, which came to
+/// three times the drift of Stokes at the surface of short steep waves.
+pub(crate) fn along_surface(fields: Fields, i: usize, rows: &Rows) -> Option<AlongSurface> {
     let normal = fields.normal[i];
     let tangent = Vector2::new(normal.y, -normal.x);
     let mut matrix = Symmetric::<3>::zero();
-    let mut rhs = [0.0; 3];
-    let mut add = |weight: f64, x: f64, height: f64| {
+    let mut rhs = [[0.0; 3]; 3];
+    let mut add = |weight: f64, x: f64, data: [f64; 3]| {
         let row = [1.0, x, x * x];
         matrix.add_outer(weight, &row);
-        for (sum, value) in rhs.iter_mut().zip(row) {
-            *sum += weight * value * height;
+        for (rhs, data) in rhs.iter_mut().zip(data) {
+            for (sum, value) in rhs.iter_mut().zip(row) {
+                *sum += weight * value * data;
+            }
         }
     };
-    add(fit::bell(0.0), 0.0, 0.0);
+    add(fit::bell(0.0), 0.0, [0.0; 3]);
     let mut sides = [0; 2];
     for k in (0..rows.values.len()).filter(|&k| rows.values.on_surface()[k]) {
-        let d = rows.values.offset(k);
-        add(fit::bell(d.norm_squared()), d.dot(&tangent), d.dot(&normal));
+        let (d, u) = (rows.values.offset(k), rows.values.velocity(k));
+        add(fit::bell(d.norm_squared()), d.dot(&tangent), [d.dot(&normal), u.x, u.y]);
         sides[usize::from(d.dot(&tangent) > 0.0)] += 1;
     }
-    // At its end the surface is left as it is: a parabola would be carried on from one side.
     if sides[0] == 0 || sides[1] == 0 || sides[0] + sides[1] < 3 {
-        return 0.0;
+        return None;
     }
-    matrix.factorize(1e-3).map_or(0.0, |factor| factor.solve(&rhs)[0].clamp(-LONGEST, LONGEST))
+    let factor = matrix.factorize(1e-3)?;
+    let [height, u, v] = rhs.map(|rhs| factor.solve(&rhs)[0]);
+    let height = height.clamp(-LONGEST, LONGEST);
+    Some(AlongSurface { height, velocity: Vector2::new(u, v) })
 }
 
 /// Shift of particle `i` in spacings, and how crowded it is: the density around it relative to a
@@ -174,7 +192,7 @@ pub(crate) fn surface_roughness(fields: Fields, i: usize, rows: &Rows) -> f64 {
 #[inline(always)]
 pub(crate) fn shift(fields: Fields, i: usize, rows: &Rows) -> (Vector2<f64>, f64) {
     if fields.on_surface[i] {
-        return (capped(along_surface(fields, i, rows), LONGEST), 1.0);
+        return (capped(spread_along_surface(fields, i, rows), LONGEST), 1.0);
     }
     let (push, closeness) = repulsion(fields, rows, false);
     inner_shift(push, closeness)
@@ -235,7 +253,7 @@ fn repulsion(fields: Fields, rows: &Rows, of_surface_only: bool) -> (Vector2<f64
 
 /// Shift along the surface: the push of other surface particles, followed along the parabola
 /// through the nearest on either side.
-fn along_surface(fields: Fields, i: usize, rows: &Rows) -> Vector2<f64> {
+fn spread_along_surface(fields: Fields, i: usize, rows: &Rows) -> Vector2<f64> {
     let normal = fields.normal[i];
     let tangent = Vector2::new(normal.y, -normal.x);
     let (push, _) = repulsion(fields, rows, true);

@@ -15,8 +15,9 @@ use crate::particles::permute;
 use crate::regularise::crowding;
 use nalgebra::{Point2, Vector2};
 
-/// A wider gap between two surface particles, in spacings, gets a particle in its middle.
-const WIDEST: f64 = 1.6;
+/// A wider gap between two surface particles, in spacings, gets a particle in its middle: before one of
+/// those below comes to the surface through it, which leaves a dent.
+const WIDEST: f64 = 1.4;
 /// Of two surface particles closer than this, in spacings, one is taken out.
 const NARROWEST: f64 = 0.6;
 /// A wider gap between the surface's end and a wall, in spacings, gets a particle.

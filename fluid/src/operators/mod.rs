@@ -28,7 +28,7 @@ pub(crate) struct Local {
     pub(crate) velocity_gradient: Matrix2<f64>,
     /// ∇²u, 1/(m s).
     pub(crate) laplacian_of_velocity: Vector2<f64>,
-    /// Smooth velocity minus velocity, m/s.
+    /// Smooth velocity minus velocity, m/s; on the surface as it is along it.
     pub(crate) roughness: Vector2<f64>,
     /// Shift towards a regular arrangement, m, and what it does to the velocity, m/s.
     pub(crate) shift: Vector2<f64>,
@@ -191,9 +191,11 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
     }
     local.filter = regularise::filter(fields, i, rows);
     local.contacts = regularise::contacts(fields, rows);
-    if fields.on_surface[i] {
-        local.surface_roughness =
-            fields.normal[i] * (regularise::surface_roughness(fields, i, rows) * fields.spacing);
+    if fields.on_surface[i]
+        && let Some(smooth) = regularise::along_surface(fields, i, rows)
+    {
+        local.surface_roughness = fields.normal[i] * (smooth.height * fields.spacing);
+        local.roughness = smooth.velocity;
     }
     local
 }
