@@ -1,14 +1,15 @@
 //! A standing wave with either discretisation and either integrator, against linear theory: period,
-//! and the energy that the paper's step takes from a wave, π ω dt a period.
+//! and the energy that the paper's step takes from a wave, π ω dt a period; and what the guard of the
+//! network makes of it.
 //!
 //! One wavelength in a tank of 2 m, depth 0.5 m, amplitude 0.02 m, D/dx = 20, dt = 2.5 ms.
 
 use crate::error::FluidError;
 use crate::fluid::Fluid;
 use crate::network::Network;
-use crate::setup::{
-    Discretisation, FluidSetup, InitialFlow, Integrator, Numerics, PressureSettings, Tank, Water,
-};
+use crate::pressure;
+use crate::pressure::solver::{PressureReport, PressureSettings, SolverKind};
+use crate::setup::{Discretisation, FluidSetup, InitialFlow, Integrator, Numerics, Tank, Water};
 use nalgebra::{Point2, Vector2};
 use std::f64::consts::PI;
 
@@ -104,6 +105,39 @@ fn the_papers_step_damps_a_wave_as_theory_has_it() {
         println!("{discretisation:?}: paper {paper}, midpoint {midpoint}, theory {exact} between");
         assert!(((paper - midpoint) / exact - 1.0).abs() < 0.1);
     }
+}
+
+/// What the pressure solver says of the 21st step of the wave when it may leave a divergence of
+/// `tolerance` sqrt(g/D) in that step.
+fn report_of_a_step(solver: SolverKind, tolerance: f64) -> PressureReport {
+    let mut setup = setup(Discretisation::Quadratic, Integrator::Midpoint);
+    setup.pressure.solver = SolverKind::Network;
+    let mut fluid = Fluid::flowing(setup, &StandingWave).unwrap();
+    for _ in 0..20 {
+        fluid.solve(TIME_STEP).unwrap();
+        fluid.finish(TIME_STEP).unwrap();
+    }
+    let settings = &mut fluid.setup.pressure;
+    *settings =
+        PressureSettings { solver, guard_tolerance: tolerance, tolerance: 1e-6, ..*settings };
+    fluid.solver = pressure::solver(*settings, &fluid.setup.network, None);
+    fluid.solve(TIME_STEP).unwrap();
+    fluid.report
+}
+
+#[test]
+fn the_guard_looks_twice_before_a_step_falls_back() {
+    let unit = (GRAVITY / DEPTH).sqrt();
+    let first = report_of_a_step(SolverKind::Network, 0.0).divergence_left / unit;
+    let looks_once = report_of_a_step(SolverKind::Guarded, 1.01 * first);
+    assert!(!looks_once.fell_back);
+    assert_eq!(looks_once.divergence_left / unit, first);
+    let looks_twice = report_of_a_step(SolverKind::Guarded, 0.99 * first);
+    let second = looks_twice.divergence_left / unit;
+    assert!(!looks_twice.fell_back && second < 0.9 * first, "{second} after {first}");
+    let falls_back = report_of_a_step(SolverKind::Guarded, 0.99 * second);
+    assert!(falls_back.fell_back);
+    assert!(falls_back.divergence_left / unit < 0.99 * second);
 }
 
 /// The table in `docs/validation.md`:
