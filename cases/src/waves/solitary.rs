@@ -110,6 +110,11 @@ impl SolitaryWave {
         self.height
     }
 
+    /// Rate at which the tails rise and fall: α for sech² α X, 1/m.
+    pub(super) fn tail_rate(&self) -> f64 {
+        self.outskirt
+    }
+
     /// Distance (m) from the crest at which the elevation has fallen to `part` of the height.
     #[must_use]
     pub fn reach(&self, part: f64) -> f64 {

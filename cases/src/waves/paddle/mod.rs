@@ -10,6 +10,7 @@ mod board;
 mod motion;
 mod projection;
 mod second_harmonic;
+mod solitary_stroke;
 mod stroke;
 mod wavemaker;
 

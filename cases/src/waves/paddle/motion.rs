@@ -2,6 +2,7 @@
 
 use super::projection::projected_stroke;
 use super::second_harmonic::against_evanescent_waves;
+use super::solitary_stroke::solitary_stroke;
 use super::stroke::{Harmonic, Ramp, Stroke};
 use super::{Board, StrokeMotion};
 use crate::waves::linear::LinearWaves;
@@ -10,9 +11,6 @@ use crate::waves::spline::Spline;
 use crate::waves::{StillWater, WaveError, WaveTheory, require};
 use seakeep_coupler::interface::BoundaryKinematics;
 use std::f64::consts::TAU;
-
-/// Steps over the passage of a solitary wave.
-const SOLITARY_STEPS: usize = 4000;
 
 /// The motion of a paddle: a function of time, twice continuously differentiable.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,42 +69,20 @@ impl PaddleMotion {
         Self::new(water, board, ramp, Stroke::Harmonics(terms))
     }
 
-    /// For a solitary wave, by Goring (1978): the board, at the still-water level, moves with the
-    /// mean velocity over the depth where it is, dX/dt = c η(X, t) / (D + η(X, t)), which follows
-    /// from mass and so holds for every theory. The wave begins where its elevation is `start` of
+    /// For a solitary wave: the velocity of the board and that of the wave where the board is differ
+    /// by nothing that travels with the wave. The wave begins where its elevation is `start` of
     /// the height: see [`SolitaryWave::from_paddle`].
     ///
     /// # Errors
-    /// As the others.
+    /// Also a stroke that cannot be found.
     pub fn solitary(
         water: StillWater,
         board: Board,
         wave: &SolitaryWave,
     ) -> Result<Self, WaveError> {
-        let celerity = wave.celerity().unwrap_or_default();
-        // Within the first stretch, in which the elevation rises tenfold, the velocity is ramped.
-        let first = wave.reach(SolitaryWave::START);
-        let stretch = (first - wave.reach(10.0 * SolitaryWave::START)) / celerity;
-        let ramp = Ramp::new(stretch)?;
-        let velocity = |time: f64, x: f64| {
-            let eta = wave.elevation(x, time);
-            ramp.at(time)[0] * celerity * eta / (water.depth + eta)
-        };
-        let volume = 4.0 * wave.height() * wave.reach(0.42);
-        let end = (2.0 * first + volume / water.depth) / celerity;
-        let step = end / SOLITARY_STEPS as f64;
-        let (mut x, mut times, mut places) = (0.0, vec![0.0], vec![0.0]);
-        for n in 0..SOLITARY_STEPS {
-            let time = step * n as f64;
-            let k1 = velocity(time, x);
-            let k2 = velocity(time + 0.5 * step, x + 0.5 * step * k1);
-            let k3 = velocity(time + 0.5 * step, x + 0.5 * step * k2);
-            let k4 = velocity(time + step, x + step * k3);
-            x += step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-            times.push(time + step);
-            places.push(x);
-        }
-        Self::new(water, board, 0.0, Stroke::Series(Spline::new(times, places)?))
+        board.validate(water)?;
+        let stroke = solitary_stroke(board, water, wave)?;
+        Self::new(water, board, 0.0, Stroke::Series(stroke))
     }
 
     /// A measured or computed motion: times (s), and for a piston its displacement (m), for a flap
@@ -288,12 +264,39 @@ mod tests {
             assert_eq!(stroke.velocity, 0.0);
             let ratio = stroke.displacement / (volume / 0.4);
             assert!((ratio - 1.0).abs() < 3e-3, "{theory:?}: {ratio}");
-            // Where the paddle is, it moves with the mean velocity of the water there.
-            let now = motion.stroke(1.3);
-            let eta = wave.elevation(now.displacement, 1.3);
-            let exact = wave.celerity().unwrap() * eta / (0.4 + eta);
-            assert!((now.velocity - exact).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn solitary_stroke_makes_up_for_what_the_mean_velocity_lacks() {
+        // By linear theory (Biésel) q⁴/45 at q = kD, which is D⁴/45 times the fourth derivative
+        // along the wave: 16 (αD)⁴/45 under the crest of sech² αx, but for parts of order H/D.
+        for part in [0.05, 0.1] {
+            let wave = SolitaryWave::from_paddle(WATER, part * 0.4, SolitaryTheory::Exact).unwrap();
+            let motion = PaddleMotion::solitary(WATER, Board::Piston, &wave).unwrap();
+            let fastest = (0..40_000)
+                .map(|n| motion.stroke(f64::from(n) * 2e-4).velocity)
+                .fold(0.0, f64::max);
+            let mean = wave.celerity().unwrap() * part / (1.0 + part);
+            let lacking = 16.0 * (0.4 * wave.tail_rate()).powi(4) / 45.0;
+            let ratio = (fastest / mean - 1.0) / lacking;
+            assert!((ratio - 1.0).abs() < 4.0 * part, "{part}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn solitary_stroke_of_a_flap_has_its_transfer_function() {
+        // A low wave is long, and the flap pushes half of what the piston does.
+        let wave = SolitaryWave::from_paddle(WATER, 0.004, SolitaryTheory::Exact).unwrap();
+        let flap = Board::Flap { hinge: 0.1 };
+        let number = 0.5 * wave.tail_rate();
+        let expected = Board::Piston.transfer(WATER, number) / flap.transfer(WATER, number);
+        let stroke = |board| {
+            let motion = PaddleMotion::solitary(WATER, board, &wave).unwrap();
+            motion.stroke(100.0).displacement
+        };
+        let ratio = stroke(flap) / stroke(Board::Piston);
+        assert!((ratio / expected - 1.0).abs() < 0.02, "{ratio} for {expected}");
     }
 
     #[test]
