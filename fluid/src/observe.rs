@@ -328,7 +328,10 @@ impl Fluid {
             } else if split > 0 && split < line.len() {
                 let corners =
                     placed_corners(&self.setup.boundaries[b].corners, k.position, k.angle);
-                volume -= area_below(corners, line[split - 1], line[split]);
+                // The wall below the hinge of a flap stands behind the water's left end.
+                if corners.clone().any(|corner| corner.x > 0.0) {
+                    volume -= area_below(corners, line[split - 1], line[split]);
+                }
             }
         }
         volume

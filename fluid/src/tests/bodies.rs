@@ -15,24 +15,12 @@ use seakeep_coupler::interface::BoundaryKinematics;
 
 const SPACING: f64 = 0.02;
 
-/// A box of 0.2 m by 0.12 m that floats in a small tank, at an angle and moving.
-pub(crate) fn fluid() -> Fluid {
-    let corner = |x, y| Vector2::new(x, y);
+/// A small tank of water, 0.2 m deep.
+fn tank(boundaries: Vec<RigidBoundary>, paddle: Option<usize>) -> Fluid {
     let setup = FluidSetup {
-        tank: Tank { length: 1.0, height: 0.4, paddle: None },
+        tank: Tank { length: 1.0, height: 0.4, paddle },
         water: Water { depth: 0.2, density: 1000.0, kinematic_viscosity: 0.0, gravity: 9.81 },
-        boundaries: vec![RigidBoundary {
-            name: "box".to_owned(),
-            corners: vec![
-                corner(-0.1, -0.06),
-                corner(0.1, -0.06),
-                corner(0.1, 0.06),
-                corner(-0.1, 0.06),
-            ],
-            position: Point2::new(0.5, 0.2),
-            angle: 0.1,
-            free: true,
-        }],
+        boundaries,
         damping_zones: Vec::new(),
         numerics: Numerics {
             particle_spacing: SPACING,
@@ -44,7 +32,25 @@ pub(crate) fn fluid() -> Fluid {
         pressure: PressureSettings::default(),
         network: Network::shipped().expect("the shipped network"),
     };
-    let mut fluid = Fluid::new(setup).expect("a case that can be");
+    Fluid::new(setup).expect("a case that can be")
+}
+
+/// A rectangle from `low` to `high` (m, from its position) that is held.
+fn rectangle(name: &str, position: [f64; 2], low: [f64; 2], high: [f64; 2]) -> RigidBoundary {
+    let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
+    RigidBoundary {
+        name: name.to_owned(),
+        corners: corners.map(Vector2::from).to_vec(),
+        position: Point2::from(position),
+        angle: 0.0,
+        free: false,
+    }
+}
+
+/// A box of 0.2 m by 0.12 m that floats in a small tank, at an angle and moving.
+pub(crate) fn fluid() -> Fluid {
+    let held = rectangle("box", [0.5, 0.2], [-0.1, -0.06], [0.1, 0.06]);
+    let mut fluid = tank(vec![RigidBoundary { angle: 0.1, free: true, ..held }], None);
     fluid.state.kinematics[0] = BoundaryKinematics {
         velocity: Vector2::new(0.3, -0.1),
         angular_velocity: 0.5,
@@ -85,6 +91,25 @@ fn what_has_got_into_a_body_is_put_back_on_its_outline() {
     let outline =
         crate::geometry::placed(&fluid.setup().boundaries[0].corners, now.position, now.angle);
     assert!(particles.position.iter().all(|x| signed_distance(&outline, *x) > -1e-12));
+}
+
+#[test]
+fn the_water_before_a_flap_is_that_between_the_walls() {
+    let (hinge, depth) = (0.05, 0.2);
+    let flap = rectangle("paddle", [0.0, hinge], [-0.3, 0.0], [0.0, 0.4 - hinge]);
+    let foot = rectangle("paddle_foot", [0.0, 0.0], [-0.3, 0.0], [0.0, hinge]);
+    let mut fluid = tank(vec![flap, foot], Some(0));
+    for stroke in [0.03, 0.004, 0.0, -0.004, -0.03_f64] {
+        let angle = -(stroke / (depth - hinge)).atan();
+        fluid.state.kinematics[0] = BoundaryKinematics::at_rest(Point2::new(0.0, hinge), angle);
+        // The first particles of the surface stand behind x = 0 where the flap leans back.
+        let spacing = (1.0 - stroke) / 50.0;
+        let surface = |i: i32| Point2::new(stroke + spacing * (f64::from(i) + 0.5), depth);
+        let line: Vec<_> = (0..50).map(surface).collect();
+        let exact = depth - 0.5 * stroke * (depth - hinge);
+        let found = fluid.volume_below(&line);
+        assert!((found - exact).abs() < 1e-12, "{stroke} m: {found}, not {exact} m2");
+    }
 }
 
 #[test]
