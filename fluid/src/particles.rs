@@ -14,7 +14,7 @@ pub(crate) struct Particles {
     pub(crate) pressure: Vec<f64>,
     /// Change of the dynamic pressure over a step, Pa: the mean of the solver's `steps_of_change`.
     pub(crate) pressure_change: Vec<f64>,
-    /// Divergence near bodies that the last step's pressure asked for in vain, 1/s; see
+    /// Divergence near walls that the pressure of the steps before asked for in vain, 1/s; see
     /// [`crate::pressure::repeated`].
     pub(crate) vain_divergence: Vec<f64>,
     /// Part of the last step's pressure that is no load, Pa; see [`crate::pressure::repeated`].

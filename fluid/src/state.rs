@@ -76,8 +76,8 @@ pub(crate) struct Work {
     pub(crate) repeated: Vec<[f64; 1]>,
     pub(crate) repeated_rhs: Vec<[f64; 1]>,
     pub(crate) krylov: Krylov<1>,
-    /// Inner particles that bodies reach, directly or over a neighbour.
-    pub(crate) near_body: Vec<bool>,
+    /// Inner particles that walls reach, directly or over a neighbour; see [`crate::pressure::repeated`].
+    pub(crate) near_walls: Vec<bool>,
     pub(crate) unit_rhs: Vec<[f64; 3]>,
     pub(crate) unit_solution: Vec<Vec<[f64; 3]>>,
     pub(crate) unit_krylov: Krylov<3>,
@@ -112,7 +112,7 @@ impl Work {
         self.solution.resize(count, [0.0]);
         self.repeated.resize(count, [0.0]);
         self.repeated_rhs.resize(count, [0.0]);
-        self.near_body.resize(count, false);
+        self.near_walls.resize(count, false);
         self.pressure.resize(count, 0.0);
         if !self.unit_solution.is_empty() {
             self.unit_rhs.resize(count, [0.0; 3]);
