@@ -331,12 +331,15 @@ impl Frame {
         let weight = scales.density * scales.gravity;
         let surface_pressure = |i: usize| weight * (fields.position[i].y - scales.depth);
         let single = |values: &[f64]| values.iter().map(|value| *value as f32).collect();
-        let mut frame = Self {
+        let rows = matrix.all_rows();
+        Self {
             scales,
             position: pairs(fields.position.iter().map(|x| [x.x, x.y])),
             velocity: pairs(fields.velocity.iter().map(|u| [u.x, u.y])),
             source: single(source),
-            row_start: vec![0],
+            row_start: rows.start,
+            column: rows.column,
+            value: rows.value,
             divisor: (0..count).map(|i| matrix.divisor(i)).collect(),
             on_surface: fields.on_surface.iter().map(|surface| u8::from(*surface)).collect(),
             walls: (0..count).map(|i| fields.wall_lists.of(i).len().min(255) as u8).collect(),
@@ -348,15 +351,7 @@ impl Frame {
             change: single(change),
             residual: residual.iter().map(|r| r[0] as f32).collect(),
             target: vec![0.0; count],
-            ..Self::default()
-        };
-        for i in 0..count {
-            let (columns, values) = matrix.row(i);
-            frame.column.extend(columns);
-            frame.value.extend(values);
-            frame.row_start.push(frame.column.len() as u32);
         }
-        frame
     }
 }
 

@@ -124,6 +124,17 @@ impl Row<'_> {
     }
 }
 
+/// Off-diagonal entries of the rows of a matrix.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    /// Where each row begins, n + 1.
+    pub start: Vec<u32>,
+    /// Column of each entry.
+    pub column: Vec<u32>,
+    /// The entries.
+    pub value: Vec<f32>,
+}
+
 /// A square matrix with a diagonal of one (up to rounding, see [`RowBlock`]).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SparseMatrix {
@@ -174,6 +185,31 @@ impl SparseMatrix {
         reaches.filter(|(low, high)| low <= high).fold(range, |range, (low, high)| {
             range.start.min(low as usize)..range.end.max(high as usize + 1)
         })
+    }
+
+    /// The off-diagonal entries of all rows, one row after the other.
+    pub(crate) fn all_rows(&self) -> Rows {
+        let mut rows = Rows { start: vec![0], ..Rows::default() };
+        for block in &self.blocks {
+            let before = rows.start.last().copied().unwrap_or(0);
+            rows.start.extend(block.start[1..].iter().map(|start| before + start));
+        }
+        let entries = rows.start.last().map_or(0, |last| *last as usize);
+        rows.column.resize(entries, 0);
+        rows.value.resize(entries, 0.0);
+        let (mut columns, mut values) = (&mut *rows.column, &mut *rows.value);
+        let mut parts = Vec::with_capacity(self.blocks.len());
+        for block in &self.blocks {
+            let (column, more_columns) = columns.split_at_mut(block.column.len());
+            let (value, more_values) = values.split_at_mut(block.value.len());
+            parts.push((block, column, value));
+            (columns, values) = (more_columns, more_values);
+        }
+        parts.into_par_iter().with_min_len(16).for_each(|(block, column, value)| {
+            column.copy_from_slice(&block.column);
+            value.copy_from_slice(&block.value);
+        });
+        rows
     }
 
     /// Number of rows.

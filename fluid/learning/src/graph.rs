@@ -3,13 +3,50 @@
 use seakeep_fluid::frame::Frame;
 use tch::{Device, Kind, Tensor};
 
-/// What all networks need of a frame of n particles.
-pub(crate) struct Graph {
-    row_start: Tensor,
+/// The pressure matrix A of n particles, with a unit diagonal.
+pub(crate) struct Matrix {
+    start: Tensor,
     column: Tensor,
     value: Tensor,
     /// 0 for a row that stands alone, as those of the surface do, otherwise 1: n × 1.
     pub(crate) active: Tensor,
+}
+
+impl Matrix {
+    /// That with these off-diagonal entries in its rows.
+    pub(crate) fn new(start: &[u32], columns: &[u32], values: &[f32], device: Device) -> Self {
+        let start = indices(start, device);
+        let count = start.size()[0] - 1;
+        let active = start.narrow(0, 0, count).less_tensor(&start.narrow(0, 1, count));
+        Self {
+            active: active.to_kind(Kind::Float).unsqueeze(1),
+            start,
+            column: indices(columns, device),
+            value: Tensor::from_slice(values).to(device),
+        }
+    }
+
+    /// A x for x of n × c.
+    pub(crate) fn product(&self, x: &Tensor) -> Tensor {
+        /// Mode of `embedding_bag` that adds up.
+        const SUM: i64 = 0;
+        let (sums, _, _, _) = Tensor::embedding_bag(
+            x,
+            &self.column,
+            &self.start,
+            false,
+            SUM,
+            false,
+            Some(&self.value),
+            true,
+        );
+        x + sums
+    }
+}
+
+/// What all networks need of a frame of n particles.
+pub(crate) struct Graph {
+    pub(crate) matrix: Matrix,
     /// Weights s of Eq. (29), n × 1.
     pub(crate) weight: Tensor,
     /// b − A p of the last pressure, n × 1, in units of `scale`.
@@ -35,47 +72,22 @@ impl Graph {
         let scaled = |values: &[f32]| -> Vec<f32> {
             values.iter().map(|value| (f64::from(*value) / scale) as f32).collect()
         };
-        let active: Vec<f32> =
-            frame.row_start.windows(2).map(|row| if row[0] < row[1] { 1.0 } else { 0.0 }).collect();
         // Eq. (29).
-        let weight: Vec<f32> = frame
-            .wall_distance
-            .iter()
-            .zip(&active)
-            .map(|(distance, active)| match distance {
-                d if *d <= 3.0 => 3.0 * active,
-                d if *d <= 6.0 => 2.0 * active,
-                _ => *active,
-            })
-            .collect();
+        let weight = |distance: &f32| match *distance {
+            d if d <= 3.0 => 3.0,
+            d if d <= 6.0 => 2.0,
+            _ => 1.0,
+        };
+        let weight: Vec<f32> = frame.wall_distance.iter().map(weight).collect();
+        let matrix = Matrix::new(&frame.row_start, &frame.column, &frame.value, device);
         Self {
-            row_start: indices(&frame.row_start, device),
-            column: indices(&frame.column, device),
-            value: Tensor::from_slice(&frame.value).to(device),
-            active: column(&active, device),
-            weight: column(&weight, device),
+            weight: column(&weight, device) * &matrix.active,
+            matrix,
             residual: column(&scaled(&frame.residual), device),
             target: column(&scaled(&frame.target), device),
             scale,
             count,
         }
-    }
-
-    /// A x for x of n × c.
-    pub(crate) fn product(&self, x: &Tensor) -> Tensor {
-        /// Mode of `embedding_bag` that adds up.
-        const SUM: i64 = 0;
-        let (sums, _, _, _) = Tensor::embedding_bag(
-            x,
-            &self.column,
-            &self.row_start,
-            false,
-            SUM,
-            false,
-            Some(&self.value),
-            true,
-        );
-        x + sums
     }
 }
 
@@ -84,8 +96,8 @@ pub(crate) fn column(values: &[f32], device: Device) -> Tensor {
     Tensor::from_slice(values).unsqueeze(1).to(device)
 }
 
-/// Indices in the type that libtorch wants.
+/// Indices in a type that libtorch takes: particles and entries are fewer than 2³¹.
 pub(crate) fn indices(values: &[u32], device: Device) -> Tensor {
-    let values: Vec<i64> = values.iter().map(|value| i64::from(*value)).collect();
-    Tensor::from_slice(&values).to_device(device).to_kind(Kind::Int64)
+    let values: Vec<i32> = values.iter().map(|value| value.cast_signed()).collect();
+    Tensor::from_slice(&values).to(device)
 }

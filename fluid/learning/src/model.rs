@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use seakeep_fluid::frame::Frame;
 use seakeep_fluid::network::residual::INITIAL_GATES;
-use seakeep_fluid::network::{Inference, Network, decode};
+use seakeep_fluid::network::{Inference, Network, ResidualStep, decode};
 use serde::{Deserialize, Serialize};
 use std::sync::Mutex;
 use tch::{Device, Tensor, no_grad};
@@ -56,13 +56,6 @@ impl Model {
         }
     }
 
-    pub(crate) fn prepare(self, frame: &Frame, device: Device) -> Prepared {
-        match self {
-            Self::Residual => Prepared::Residual(Levels::new(frame, device)),
-            Self::Paper => Prepared::Paper(Links::new(frame, device)),
-        }
-    }
-
     /// The tensors of a weights file, in order, and of which network they are.
     pub(crate) fn read(bytes: &[u8]) -> Result<(Self, Vec<Stored>), LearningError> {
         Network::from_bytes(bytes)?;
@@ -104,8 +97,8 @@ pub(crate) fn paper_change(
 ) -> Tensor {
     let found = paper::pressure(parameters, links, noise);
     let change = (found - &links.last) * (links.unit / graph.scale);
-    let alone: Tensor = 1.0 - &graph.active;
-    change * &graph.active + alone * &graph.residual
+    let alone: Tensor = 1.0 - &graph.matrix.active;
+    change * &graph.matrix.active + alone * &graph.residual
 }
 
 /// A network on a device of libtorch.
@@ -131,7 +124,10 @@ impl DeviceNetwork {
     pub fn inputs(&self, frame: &Frame) -> Inputs {
         no_grad(|| Inputs {
             graph: Graph::new(frame, self.device),
-            prepared: self.model.prepare(frame, self.device),
+            prepared: match self.model {
+                Model::Residual => Prepared::Residual(Levels::new(frame, self.device)),
+                Model::Paper => Prepared::Paper(Links::new(frame, self.device)),
+            },
         })
     }
 
@@ -143,16 +139,20 @@ impl DeviceNetwork {
             let graph = &inputs.graph;
             let found = match &inputs.prepared {
                 Prepared::Residual(levels) => {
-                    residual::correction(&self.parameters, graph, levels, &graph.residual)
+                    levels.correction(&self.parameters, &graph.matrix, &graph.residual)
                 }
                 Prepared::Paper(links) => paper_change(&self.parameters, graph, links, None),
             };
-            let found = (found * graph.scale).reshape([-1]).to_device(Device::Cpu);
-            let mut values = vec![0.0f32; found.numel()];
-            found.copy_data(&mut values, found.numel());
-            values
+            values(&(found * graph.scale))
         })
     }
+}
+
+/// The values of a tensor.
+fn values(tensor: &Tensor) -> Vec<f32> {
+    let mut values = vec![0.0f32; tensor.numel()];
+    tensor.reshape([-1]).to_device(Device::Cpu).copy_data(&mut values, tensor.numel());
+    values
 }
 
 /// A frame on a device.
@@ -173,7 +173,12 @@ impl StepByStep {
 }
 
 impl Inference for StepByStep {
-    fn change(&self, frame: &Frame) -> Result<Vec<f32>, String> {
+    fn residual(&self, step: ResidualStep<'_>) -> Result<Vec<f32>, String> {
+        let network = self.0.lock().map_err(|error| error.to_string())?;
+        Ok(values(&residual::of_step(step, network.device)))
+    }
+
+    fn paper(&self, frame: &Frame) -> Result<Vec<f32>, String> {
         let network = self.0.lock().map_err(|error| error.to_string())?;
         Ok(network.correction(&network.inputs(frame)))
     }

@@ -1,63 +1,123 @@
 //! The residual network in tensors; see [`seakeep_fluid::network::residual`] for what it is.
 
-use crate::graph::{Graph, indices};
+use crate::graph::{Matrix, indices};
 use seakeep_fluid::frame::Frame;
-use seakeep_fluid::network::ResidualGraph;
-use seakeep_fluid::network::residual::FEATURES;
-use tch::{Device, Tensor};
+use seakeep_fluid::network::residual::{FEATURES, GATES};
+use seakeep_fluid::network::{CoarseLevel, ResidualGraph, ResidualStep};
+use tch::{Device, Tensor, no_grad};
 
-/// What this network alone needs of a frame.
-pub(crate) struct Levels {
-    features: Tensor,
+/// The coarse level on a device.
+pub(crate) struct Level {
+    /// What each row was divided by for its unit diagonal, n × 1.
     divisor: Tensor,
     nodes: Tensor,
     weights: Tensor,
-    coarse_inverse: Tensor,
+    node_count: i64,
 }
 
-impl Levels {
-    pub(crate) fn new(frame: &Frame, device: Device) -> Self {
-        let graph = ResidualGraph::new(frame);
-        let (n, c) = (frame.len() as i64, graph.node_count as i64);
+impl Level {
+    fn new(divisor: &[f32], coarse: CoarseLevel<'_>, device: Device) -> Self {
         let shaped =
             |values: &[f32], shape: &[i64]| Tensor::from_slice(values).reshape(shape).to(device);
         Self {
-            features: shaped(&graph.features, &[n, FEATURES as i64]),
-            divisor: shaped(&graph.divisor, &[n, 1]),
-            nodes: indices(&graph.nodes, device),
-            weights: shaped(&graph.weights, &[n, 4, 1]),
-            coarse_inverse: shaped(&graph.coarse_inverse, &[c, c]),
+            divisor: shaped(divisor, &[-1, 1]),
+            nodes: indices(&coarse.nodes(), device),
+            weights: shaped(&coarse.weights(), &[-1, 4, 1]),
+            node_count: coarse.node_count() as i64,
         }
     }
 }
 
-/// The corrections, n × c, for residuals `r`, n × c, by the network of `parameters`, which are in
-/// the order of [`seakeep_fluid::network::residual::TENSORS`].
-pub(crate) fn correction(
-    parameters: &[Tensor],
-    graph: &Graph,
-    levels: &Levels,
-    r: &Tensor,
-) -> Tensor {
-    let [encoder, encoder_bias, gates, gates_bias] = [0, 1, 2, 3].map(|i| &parameters[i]);
-    let hidden = (levels.features.matmul(&encoder.tr()) + encoder_bias).relu();
-    let gates = (hidden.matmul(&gates.tr()) + gates_bias) * &graph.active;
-    let gate = |index: usize| gates.narrow(1, index as i64, 1);
-    let (n, columns) = (graph.count, r.size()[1]);
-    let nodes = levels.coarse_inverse.size()[0];
+/// What this network alone needs of a frame.
+pub(crate) struct Levels {
+    features: Tensor,
+    level: Level,
+    graph: ResidualGraph,
+    /// Of the coarse equation, made for training alone: it can be differentiated.
+    inverse: Option<Tensor>,
+}
 
-    let sent = &levels.weights * (&levels.divisor * gate(0) * r).unsqueeze(1);
-    let restricted = Tensor::zeros([nodes, columns], (r.kind(), r.device())).index_add(
+impl Levels {
+    /// For one correction after the other.
+    pub(crate) fn new(frame: &Frame, device: Device) -> Self {
+        let graph = ResidualGraph::new(frame);
+        let features = Tensor::from_slice(&graph.features).reshape([-1, FEATURES as i64]);
+        Self {
+            features: features.to(device),
+            level: Level::new(&graph.divisor, graph.coarse(), device),
+            graph,
+            inverse: None,
+        }
+    }
+
+    /// For training.
+    pub(crate) fn differentiable(frame: &Frame, device: Device) -> Self {
+        let levels = Self::new(frame, device);
+        let inverse = Tensor::from_slice(&levels.graph.coarse().inverse());
+        let count = levels.level.node_count;
+        Self { inverse: Some(inverse.reshape([count, count]).to(device)), ..levels }
+    }
+
+    /// The corrections, n × c, for residuals `r`, n × c, by the network of `parameters`, which are in
+    /// the order of [`seakeep_fluid::network::residual::TENSORS`].
+    pub(crate) fn correction(&self, parameters: &[Tensor], matrix: &Matrix, r: &Tensor) -> Tensor {
+        let [encoder, encoder_bias, gates, gates_bias] = [0, 1, 2, 3].map(|i| &parameters[i]);
+        let hidden = (self.features.matmul(&encoder.tr()) + encoder_bias).relu();
+        let gates = hidden.matmul(&gates.tr()) + gates_bias;
+        correction(&gates, matrix, &self.level, r, |nodes| match &self.inverse {
+            Some(inverse) => inverse.matmul(&nodes),
+            None => on_processor(self.graph.coarse(), nodes),
+        })
+    }
+}
+
+/// The correction, n × 1, for a step of a run, Pa.
+pub(crate) fn of_step(step: ResidualStep<'_>, device: Device) -> Tensor {
+    no_grad(|| {
+        let rows = step.rows();
+        let matrix = Matrix::new(&rows.start, &rows.column, &rows.value, device);
+        let level = Level::new(&step.divisor(), step.coarse(), device);
+        let column = |values: &[f32], width: usize| {
+            Tensor::from_slice(values).reshape([-1, width as i64]).to(device)
+        };
+        let (gates, r) = (column(&step.gates(), GATES), column(&step.residual(), 1));
+        correction(&gates, &matrix, &level, &r, |nodes| on_processor(step.coarse(), nodes))
+    })
+}
+
+/// The coarse equation solved on the processor, by its factors: they are banded, of a few nodes, and each row
+/// waits for the one before.
+fn on_processor(coarse: CoarseLevel<'_>, nodes: Tensor) -> Tensor {
+    let mut values = vec![0.0f32; nodes.numel()];
+    nodes.to_device(Device::Cpu).copy_data(&mut values, nodes.numel());
+    coarse.solve(&mut values);
+    Tensor::from_slice(&values).reshape(nodes.size()).to(nodes.device())
+}
+
+/// The corrections, n × c, for residuals `r`, n × c, by particles with these `gates`, n × [`GATES`];
+/// `solve` solves the coarse equation.
+fn correction(
+    gates: &Tensor,
+    matrix: &Matrix,
+    level: &Level,
+    r: &Tensor,
+    solve: impl FnOnce(Tensor) -> Tensor,
+) -> Tensor {
+    let gates = gates * &matrix.active;
+    let gate = |index: usize| gates.narrow(1, index as i64, 1);
+    let (n, columns) = (r.size()[0], r.size()[1]);
+
+    let sent = &level.weights * (&level.divisor * gate(0) * r).unsqueeze(1);
+    let restricted = Tensor::zeros([level.node_count, columns], (r.kind(), r.device())).index_add(
         0,
-        &levels.nodes,
+        &level.nodes,
         &sent.reshape([4 * n, columns]),
     );
-    let coarse = levels.coarse_inverse.matmul(&restricted);
-    let around = coarse.index_select(0, &levels.nodes).reshape([n, 4, columns]);
+    let around = solve(restricted).index_select(0, &level.nodes).reshape([n, 4, columns]);
     let interpolated =
-        (&levels.weights * around).sum_dim_intlist([1i64].as_slice(), false, r.kind());
-    let alone: Tensor = 1.0 - &graph.active;
+        (&level.weights * around).sum_dim_intlist([1i64].as_slice(), false, r.kind());
+    let alone: Tensor = 1.0 - &matrix.active;
     let x = gate(1) * interpolated + gate(2) * r + alone * r;
-    let left = r - graph.product(&x);
+    let left = r - matrix.product(&x);
     &x + gate(3) * left + gate(4) * r
 }

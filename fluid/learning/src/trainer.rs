@@ -6,7 +6,8 @@ use crate::graph::Graph;
 use crate::model::{Model, Prepared, paper_change};
 use crate::noise::{self, uniform};
 use crate::optimizer::{Adam, metadata};
-use crate::residual::{self, Levels};
+use crate::paper::Links;
+use crate::residual::Levels;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use seakeep_fluid::frame::Frame;
@@ -139,6 +140,13 @@ impl Trainer {
         })
     }
 
+    fn prepare(&self, frame: &Frame) -> Prepared {
+        match self.settings.network {
+            Model::Residual => Prepared::Residual(Levels::differentiable(frame, self.device)),
+            Model::Paper => Prepared::Paper(Links::new(frame, self.device)),
+        }
+    }
+
     /// Errors of the last pressure, their residuals, what the network finds for them, a column each,
     /// with or without noise, and what an error in it is measured by: the error before, or a typical
     /// p_d.
@@ -146,10 +154,10 @@ impl Trainer {
         let noise = noise && self.settings.noise_weight > 0.0;
         let parameters = &self.adam.parameters;
         let own = || (graph.target.shallow_clone(), graph.residual.shallow_clone());
-        match self.settings.network.prepare(frame, self.device) {
+        match self.prepare(frame) {
             Prepared::Residual(levels) => {
                 let (v, r) = if noise { self.errors(frame, graph, &levels) } else { own() };
-                let found = residual::correction(parameters, graph, &levels, &r);
+                let found = levels.correction(parameters, &graph.matrix, &r);
                 let size = v.shallow_clone();
                 (v, r, found, size)
             }
@@ -161,10 +169,10 @@ impl Trainer {
                 let noise = noise.then(|| {
                     let rough = noise::rough(&mut random, frame, self.device);
                     let smooth = noise::smooth(&mut random, frame, self.device);
-                    (rough + smooth) * &graph.active * size
+                    (rough + smooth) * &graph.matrix.active * size
                 });
                 let found = paper_change(parameters, graph, &links, noise.as_ref());
-                let size = &graph.active * (PRESSURE * links.unit / graph.scale);
+                let size = &graph.matrix.active * (PRESSURE * links.unit / graph.scale);
                 (v, r, found, size)
             }
         }
@@ -176,18 +184,16 @@ impl Trainer {
     fn errors(&self, frame: &Frame, graph: &Graph, levels: &Levels) -> (Tensor, Tensor) {
         let mut random = self.random(1);
         no_grad(|| {
-            let rough = noise::rough(&mut random, frame, self.device) * &graph.active;
-            let smooth = noise::smooth(&mut random, frame, self.device) * &graph.active;
+            let rough = noise::rough(&mut random, frame, self.device) * &graph.matrix.active;
+            let smooth = noise::smooth(&mut random, frame, self.device) * &graph.matrix.active;
             let mut left = unit(&rough, graph) + unit(&smooth, graph) + &graph.target;
             for _ in 0..2 {
-                let r = graph.product(&left);
-                left = unit(
-                    &(&left - residual::correction(&self.adam.parameters, graph, levels, &r)),
-                    graph,
-                );
+                let r = graph.matrix.product(&left);
+                let found = levels.correction(&self.adam.parameters, &graph.matrix, &r);
+                left = unit(&(&left - found), graph);
             }
             let others = Tensor::cat(&[unit(&rough, graph), unit(&smooth, graph), left], 1);
-            let residuals = graph.product(&others);
+            let residuals = graph.matrix.product(&others);
             (
                 Tensor::cat(&[&graph.target, &others], 1),
                 Tensor::cat(&[&graph.residual, &residuals], 1),
@@ -208,7 +214,7 @@ impl Trainer {
         // Eq. (28).
         let pressure = sum(&graph.weight * error.square())
             / sum(&graph.weight * size.square()).clamp_min(1e-30);
-        let left = sum((graph.product(&error) * &graph.active).square())
+        let left = sum((graph.matrix.product(&error) * &graph.matrix.active).square())
             / sum(r.square()).clamp_min(1e-30);
         let columns = v.size()[1];
         let weights: Vec<f32> = (0..columns)

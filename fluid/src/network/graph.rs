@@ -1,13 +1,15 @@
-//! The networks on a frame, outside of a run: what training and tests work on.
+//! The networks outside of the program's own inference: on a frame, for training and tests, and on a step of
+//! a run whose network is evaluated elsewhere.
 
-use super::lattice::{self, Coarse, Places};
+use super::lattice::{self, Coarse, Place, Places};
 use super::paper::{self, Links, Paper};
-use super::residual::{self, Level, Residual};
+use super::residual::{self, Gates, Level, Residual};
 use super::{Network, Weights};
 use crate::frame::Frame;
 use crate::neighbours::{CellGrid, Neighbours};
-use crate::sparse::{Row, SparseMatrix};
+use crate::sparse::{Row, Rows, SparseMatrix};
 use nalgebra::Point2;
+use rayon::prelude::*;
 
 /// A frame as the residual network sees it.
 #[derive(Clone, Debug)]
@@ -16,17 +18,6 @@ pub struct ResidualGraph {
     pub features: Vec<f32>,
     /// What each row was divided by for its unit diagonal.
     pub divisor: Vec<f32>,
-    /// The four lattice nodes around each particle.
-    pub nodes: Vec<u32>,
-    /// Their bilinear weights.
-    pub weights: Vec<f32>,
-    /// Number of nodes c.
-    pub node_count: usize,
-    /// Inverse of the coarse equation, c × c, by rows.
-    pub coarse_inverse: Vec<f32>,
-}
-
-struct Levels {
     matrix: SparseMatrix,
     places: Places,
     coarse: Coarse,
@@ -41,39 +32,126 @@ fn known(frame: &Frame) -> Vec<bool> {
     frame.on_surface.iter().map(|surface| *surface != 0).collect()
 }
 
-fn levels(frame: &Frame) -> Levels {
-    let matrix = frame.matrix();
-    let position = points(frame);
-    let (mut places, mut coarse) = (Places::default(), Coarse::default());
-    let spacing = frame.scales.spacing;
-    places.find(&position, spacing, lattice::shape(&position, spacing));
-    coarse.factorize(&places, &matrix);
-    Levels { matrix, places, coarse }
-}
-
 impl ResidualGraph {
     /// The graph of `frame`.
     #[must_use]
     pub fn new(frame: &Frame) -> Self {
-        let Levels { matrix, places, coarse, .. } = levels(frame);
-        let count = places.shape.nodes();
-        let mut transposed = vec![0.0f32; count * count];
-        for (node, column) in transposed.chunks_exact_mut(count.max(1)).enumerate() {
-            column[node] = 1.0;
-            coarse.solve(column);
-        }
-        let inverse = (0..count * count).map(|k| transposed[k % count * count + k / count]);
+        let matrix = frame.matrix();
+        let position = points(frame);
+        let (mut places, mut coarse) = (Places::default(), Coarse::default());
+        let spacing = frame.scales.spacing;
+        places.find(&position, spacing, lattice::shape(&position, spacing));
+        coarse.factorize(&places, &matrix);
         let features = |i| residual::features(&matrix, &places, usize::from(frame.walls[i]), i);
         Self {
             features: (0..frame.len()).flat_map(features).collect(),
             divisor: frame.divisor.clone(),
-            nodes: (places.place.iter())
-                .flat_map(|place| place.nodes(places.shape).map(|node| node as u32))
-                .collect(),
-            weights: places.place.iter().flat_map(|place| place.weights()).collect(),
-            node_count: count,
-            coarse_inverse: inverse.collect(),
+            matrix,
+            places,
+            coarse,
         }
+    }
+
+    /// Its coarse level.
+    #[must_use]
+    pub fn coarse(&self) -> CoarseLevel<'_> {
+        CoarseLevel { places: &self.places, coarse: &self.coarse }
+    }
+}
+
+/// The coarse level of the residual network, for inference elsewhere.
+#[derive(Clone, Copy)]
+pub struct CoarseLevel<'a> {
+    places: &'a Places,
+    coarse: &'a Coarse,
+}
+
+impl CoarseLevel<'_> {
+    /// Number of nodes c.
+    #[must_use]
+    pub fn node_count(self) -> usize {
+        self.places.shape.nodes()
+    }
+
+    /// The four lattice nodes around each particle, 4 n.
+    #[must_use]
+    pub fn nodes(self) -> Vec<u32> {
+        let shape = self.places.shape;
+        let nodes = |place: &Place| place.nodes(shape).map(|node| node as u32);
+        self.places.place.par_iter().flat_map_iter(nodes).collect()
+    }
+
+    /// Their bilinear weights, 4 n.
+    #[must_use]
+    pub fn weights(self) -> Vec<f32> {
+        self.places.place.par_iter().flat_map_iter(|place| place.weights()).collect()
+    }
+
+    /// Solves the coarse equation for the right-hand side in `nodes`, c, in place.
+    pub fn solve(self, nodes: &mut [f32]) {
+        self.coarse.solve(nodes);
+    }
+
+    /// Inverse of the coarse equation, c × c, by rows: for training, on frames of moderate size.
+    #[must_use]
+    pub fn inverse(self) -> Vec<f32> {
+        let count = self.node_count();
+        let mut transposed = vec![0.0f32; count * count];
+        for (node, column) in transposed.chunks_exact_mut(count.max(1)).enumerate() {
+            column[node] = 1.0;
+            self.solve(column);
+        }
+        (0..count * count).map(|k| transposed[k % count * count + k / count]).collect()
+    }
+}
+
+/// A step of a run as the residual network sees it, for inference elsewhere: gates and coarse level may be of
+/// some steps back, as in the program's own.
+#[derive(Clone, Copy)]
+pub struct ResidualStep<'a> {
+    level: Level<'a>,
+    matrix: &'a SparseMatrix,
+    residual: &'a [[f64; 1]],
+}
+
+impl<'a> ResidualStep<'a> {
+    pub(crate) fn new(
+        level: Level<'a>,
+        matrix: &'a SparseMatrix,
+        residual: &'a [[f64; 1]],
+    ) -> Self {
+        Self { level, matrix, residual }
+    }
+
+    /// Its coarse level.
+    #[must_use]
+    pub fn coarse(self) -> CoarseLevel<'a> {
+        CoarseLevel { places: self.level.places, coarse: self.level.coarse }
+    }
+
+    /// Off-diagonal entries of the rows of A.
+    #[must_use]
+    pub fn rows(self) -> Rows {
+        self.matrix.all_rows()
+    }
+
+    /// What each row was divided by for its unit diagonal, n.
+    #[must_use]
+    pub fn divisor(self) -> Vec<f32> {
+        (0..self.residual.len()).into_par_iter().map(|i| self.matrix.divisor(i)).collect()
+    }
+
+    /// b − A p of the pressure that is to be corrected, Pa, n.
+    #[must_use]
+    pub fn residual(self) -> Vec<f32> {
+        self.residual.par_iter().map(|r| r[0] as f32).collect()
+    }
+
+    /// The gates, [`residual::GATES`] a particle.
+    #[must_use]
+    pub fn gates(self) -> Vec<f32> {
+        let used = |gates: &'a Gates| gates.iter().copied().take(residual::GATES);
+        self.level.gates.par_iter().flat_map_iter(used).collect()
     }
 }
 
@@ -140,11 +218,10 @@ impl Network {
     pub fn correction(&self, frame: &Frame) -> Vec<f32> {
         match &self.0 {
             Weights::Residual(weights) => {
-                let levels = levels(frame);
+                let ResidualGraph { matrix, places, coarse, .. } = &ResidualGraph::new(frame);
                 let walls = |i: usize| usize::from(frame.walls[i]);
                 let mut gates = Vec::new();
-                weights.all_gates(&levels.matrix, &levels.places, walls, &mut gates);
-                let Levels { matrix, places, coarse } = &levels;
+                weights.all_gates(matrix, places, walls, &mut gates);
                 let level = Level { places, coarse, gates: &gates };
                 let residual = |i: usize, _: Row<'_>, _: &[_]| [f64::from(frame.residual[i]), 0.0];
                 let mut change = vec![[0.0]; frame.len()];

@@ -8,7 +8,8 @@ pub mod residual;
 mod weights;
 
 use crate::frame::Frame;
-pub use graph::{PaperGraph, ResidualGraph};
+pub use crate::sparse::Rows;
+pub use graph::{CoarseLevel, PaperGraph, ResidualGraph, ResidualStep};
 use paper::PaperWeights;
 use residual::ResidualWeights;
 use serde::{Deserialize, Serialize};
@@ -18,12 +19,18 @@ pub use weights::{Decoded, decode, encode};
 
 /// A network's inference in another place than this program's own code, as by libtorch on a device.
 pub trait Inference: Send + Sync {
-    /// The change of the last pressure that the network finds for `frame`, whose target is not known:
-    /// Pa, one for each particle.
+    /// The change of the pressure that the residual network finds in `step`: Pa, one for each particle.
     ///
     /// # Errors
     /// A line that says what failed.
-    fn change(&self, frame: &Frame) -> Result<Vec<f32>, String>;
+    fn residual(&self, step: ResidualStep<'_>) -> Result<Vec<f32>, String>;
+
+    /// The change of the last pressure that the paper's network finds for `frame`, whose target is not
+    /// known: Pa, one for each particle.
+    ///
+    /// # Errors
+    /// A line that says what failed.
+    fn paper(&self, frame: &Frame) -> Result<Vec<f32>, String>;
 }
 
 /// A network with its weights.

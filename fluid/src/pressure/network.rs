@@ -5,13 +5,16 @@
 //! equation from there.
 
 use crate::error::FluidError;
+use crate::fields::Fields;
 use crate::frame::{Assembled, Frame};
 use crate::network::paper::{self, Paper, PaperWeights};
-use crate::network::residual::{Residual, ResidualWeights, Squares};
-use crate::network::{Inference, Network, Weights};
+use crate::network::residual::{Level, Residual, ResidualWeights, Squares};
+use crate::network::{Inference, Network, ResidualStep, Weights};
 use crate::pressure::poisson::Poisson;
-use crate::pressure::solver::{PressureReport, PressureSettings, PressureSolver, Problem, Start};
-use crate::sparse::{Entry, Row};
+use crate::pressure::solver::{
+    PressureMemory, PressureReport, PressureSettings, PressureSolver, Problem, Start,
+};
+use crate::sparse::{Entry, Row, SparseMatrix};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -51,10 +54,8 @@ impl NetworkSolver {
 
     /// Adds the residual network's correction to the pressure.
     fn correct(&mut self, weights: &ResidualWeights, problem: &mut Problem<'_>) -> Squares {
-        let (fields, matrix, rhs) = (problem.fields, problem.matrix, problem.rhs);
-        let level = problem.memory.coarse(fields, matrix, problem.step, |places, gates| {
-            weights.all_gates(matrix, places, |i| fields.wall_lists.of(i).len(), gates);
-        });
+        let (matrix, rhs) = (problem.matrix, problem.rhs);
+        let level = level(weights, problem.memory, problem.fields, matrix, problem.step);
         let residual = |i: usize, row: Row<'_>, last: &[[f64; 1]]| {
             let [product] = row.times(last[i], last);
             [rhs[i][0] - product, rhs[i][0]]
@@ -66,18 +67,26 @@ impl NetworkSolver {
     fn correct_elsewhere(
         &self,
         elsewhere: &dyn Inference,
+        weights: &Weights,
         problem: &mut Problem<'_>,
     ) -> Result<(), FluidError> {
-        let frame = Frame::of(&Assembled {
-            scales: problem.scales,
-            fields: problem.fields,
-            matrix: problem.matrix,
-            source: problem.source,
-            last: problem.pressure,
-            change: problem.change,
-            residual: &self.product,
-        });
-        let change = elsewhere.change(&frame).map_err(|reason| FluidError::Inference { reason })?;
+        let change = match weights {
+            Weights::Residual(weights) => {
+                let (fields, matrix) = (problem.fields, problem.matrix);
+                let level = level(weights, problem.memory, fields, matrix, problem.step);
+                elsewhere.residual(ResidualStep::new(level, matrix, &self.product))
+            }
+            Weights::Paper(_) => elsewhere.paper(&Frame::of(&Assembled {
+                scales: problem.scales,
+                fields: problem.fields,
+                matrix: problem.matrix,
+                source: problem.source,
+                last: problem.pressure,
+                change: problem.change,
+                residual: &self.product,
+            })),
+        };
+        let change = change.map_err(|reason| FluidError::Inference { reason })?;
         for (p, change) in problem.pressure.iter_mut().zip(&change) {
             p[0] += f64::from(*change);
         }
@@ -108,6 +117,19 @@ impl NetworkSolver {
     }
 }
 
+/// The coarse level and the gates for the equations of `matrix`.
+fn level<'a>(
+    weights: &ResidualWeights,
+    memory: &'a mut PressureMemory,
+    fields: Fields<'_>,
+    matrix: &SparseMatrix,
+    step: u64,
+) -> Level<'a> {
+    memory.coarse(fields, matrix, step, |places, gates| {
+        weights.all_gates(matrix, places, |i| fields.wall_lists.of(i).len(), gates);
+    })
+}
+
 impl PressureSolver for NetworkSolver {
     fn solve(&mut self, mut problem: Problem<'_>) -> Result<PressureReport, FluidError> {
         let begun = Instant::now();
@@ -120,7 +142,7 @@ impl PressureSolver for NetworkSolver {
         {
             (Some(elsewhere), _) => {
                 let (residual, rhs) = problem.residual(&mut self.product, &mut self.sums);
-                self.correct_elsewhere(&*elsewhere, &mut problem)?;
+                self.correct_elsewhere(&*elsewhere, &weights, &mut problem)?;
                 let (left, _) = problem.residual(&mut self.product, &mut self.sums);
                 Squares { residual, rhs, left }
             }
