@@ -183,6 +183,10 @@ pub(crate) struct BenchPressureArguments {
     /// Residual relative to the right-hand side to which the warm pressure equation is solved
     #[arg(long, value_name = "T", default_value_t = 1e-3)]
     pub(crate) tolerance: f64,
+    /// Where the network is evaluated once more: cpu or cuda (libtorch, in a build with the feature
+    /// torch)
+    #[arg(long, value_name = "DEVICE")]
+    pub(crate) device: Option<String>,
     /// Threads to use; without it as many as there are processors
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,

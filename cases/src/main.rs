@@ -266,16 +266,19 @@ fn list() -> Result<(), Stop> {
 
 fn bench_pressure(arguments: &BenchPressureArguments) -> Result<(), Stop> {
     let mut rows = Vec::new();
-    say(
-        "row particles D/dx solver           tolerance iterations processor_ms median_ms least_ms divergence_1/s\n",
-    );
     for &row in &arguments.rows {
         let threads = threads(arguments.threads);
-        let found = pressure_bench::bench(row, arguments.steps, threads, arguments.tolerance)
+        let BenchPressureArguments { steps, tolerance, ref device, .. } = *arguments;
+        let found = pressure_bench::bench(row, steps, threads, tolerance, device.as_deref())
             .map_err(|error| match error {
-                BenchError::Row(_) | BenchError::Case(_) => refused(error),
+                BenchError::Row(_) | BenchError::Case(_) | BenchError::Device(_) => refused(error),
                 _ => Stop { message: error.to_string(), code: FAILED },
             })?;
+        if rows.is_empty() {
+            say(
+                "row particles D/dx solver           tolerance iterations processor_ms median_ms least_ms divergence_1/s\n",
+            );
+        }
         for r in &found {
             say(&format!(
                 "{:<3} {:>9} {:>4.0} {:<16} {:>9.1e} {:>10.1} {:>12.2} {:>9.2} {:>8.2} {:>14.1e}\n",

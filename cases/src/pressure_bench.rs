@@ -5,12 +5,15 @@
 
 use crate::case::{Case, CaseError};
 use crate::output::OutputError;
+use crate::simulation::{SimulationError, inference};
 use seakeep_coupler::CouplerError;
 use seakeep_coupler::interface::{Component, ComponentError, LoadComponent};
+use seakeep_fluid::network::Inference;
 use seakeep_fluid::setup::{PreconditionerKind, PressureSettings, SolverKind, Start};
 use seakeep_fluid::{Fluid, FluidError};
 use serde::Serialize;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 use thiserror::Error;
 
@@ -39,6 +42,9 @@ pub enum BenchError {
     /// A coupling failed.
     #[error(transparent)]
     Coupling(#[from] CouplerError),
+    /// The device cannot be used.
+    #[error(transparent)]
+    Device(#[from] SimulationError),
     /// The threads cannot be started.
     #[error("the threads cannot be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -91,7 +97,8 @@ pub fn solvers(tolerance: f64) -> Vec<(&'static str, PressureSettings)> {
 }
 
 /// Compares the solvers at row `row` of Table 1 over `steps` steps, on `threads` threads, the warm
-/// pressure equation solved to `tolerance`.
+/// pressure equation solved to `tolerance`; the network by the program's own code and, if one is named, by
+/// libtorch on a `device`.
 ///
 /// # Errors
 /// [`BenchError`].
@@ -100,6 +107,7 @@ pub fn bench(
     steps: u64,
     threads: usize,
     tolerance: f64,
+    device: Option<&str>,
 ) -> Result<Vec<BenchRow>, BenchError> {
     let &(depth, length) =
         row.checked_sub(1).and_then(|index| TABLE_1.get(index)).ok_or(BenchError::Row(row))?;
@@ -110,18 +118,35 @@ pub fn bench(
         2.0 * depth,
         length.round(),
     );
-    let case = Case::parse("table_1", "table_1.toml", &text, &[])?;
+    let case = |set: &[String]| Case::parse("table_1", "table_1.toml", &text, set);
+    let on_device = device.map(|device| {
+        case(&["pressure.solver=\"network\"".to_owned(), format!("pressure.device={device:?}")])
+    });
+    let (case, on_device) = (case(&[])?, on_device.transpose()?);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    pool.install(|| compare(row, &case, steps))
+    pool.install(|| {
+        let elsewhere = on_device.map(|case| inference(&case.scene)).transpose()?.flatten();
+        compare(row, &case, steps, elsewhere)
+    })
 }
 
-fn compare(row: usize, case: &Case, steps: u64) -> Result<Vec<BenchRow>, BenchError> {
+fn compare(
+    row: usize,
+    case: &Case,
+    steps: u64,
+    elsewhere: Option<Arc<dyn Inference>>,
+) -> Result<Vec<BenchRow>, BenchError> {
     let mut fluid = Fluid::flowing(case.scene.fluid.clone(), &case.scene.initial_water)?;
     fluid.enter_initialization_mode(0.0)?;
     fluid.exit_initialization_mode()?;
     let h = case.scene.time_step();
-    let solvers = solvers(case.scene.fluid.pressure.tolerance);
-    let mut rivals: Vec<_> = solvers.iter().map(|(_, settings)| fluid.rival(*settings)).collect();
+    let mut solvers = solvers(case.scene.fluid.pressure.tolerance);
+    let mut rivals: Vec<_> =
+        solvers.iter().map(|(_, settings)| fluid.rival(*settings, None)).collect();
+    if let (Some(elsewhere), Some(&(_, network))) = (elsewhere, solvers.last()) {
+        solvers.push(("network, device", network));
+        rivals.push(fluid.rival(network, Some(elsewhere)));
+    }
     let mut reports = vec![Vec::new(); solvers.len()];
     let mut processor = vec![Some(Duration::ZERO); solvers.len()];
     for step in 0..LEAD + steps {

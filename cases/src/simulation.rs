@@ -13,9 +13,11 @@ use seakeep_body::{
 use seakeep_coupler::interface::{BoundaryKinematics, Load, LoadComponent, MotionComponent};
 use seakeep_coupler::{CouplerError, FixedStepMaster};
 use seakeep_fluid::frame::Frame;
+use seakeep_fluid::network::Inference;
 use seakeep_fluid::setup::InitialFlow;
 use seakeep_fluid::trial::{Outcome, Trial};
 use seakeep_fluid::{Fluid, FluidError, ParticleCounts, ParticlesView, Plan};
+use std::sync::Arc;
 use std::time::Duration;
 use thiserror::Error;
 
@@ -96,7 +98,9 @@ impl Simulation {
             None => &scene.initial_water,
         };
         let mut fluid = Fluid::flowing(scene.fluid.clone(), &scene.displacement.of(flow))?;
-        infer_elsewhere(&mut fluid, scene)?;
+        if let Some(elsewhere) = inference(scene)? {
+            fluid.infer(elsewhere);
+        }
         let mut bodies = match scene.fluid.boundaries.as_slice() {
             [] => None,
             _ => Some(rigid_bodies(scene)?),
@@ -340,15 +344,18 @@ pub fn displacement(kinematics: &BoundaryKinematics, equilibrium: Point2<f64>) -
     [moved.x, moved.y, kinematics.angle]
 }
 
-/// Lets the network be evaluated on the device of `scene`.
+/// The inference of the network on the device of `scene`, where that is not by the program's own code.
+///
+/// # Errors
+/// [`SimulationError::Device`] where the device cannot be used.
 #[cfg(feature = "torch")]
-fn infer_elsewhere(fluid: &mut Fluid, scene: &Scene) -> Result<(), SimulationError> {
+pub fn inference(scene: &Scene) -> Result<Option<Arc<dyn Inference>>, SimulationError> {
     use crate::case::Device;
     use seakeep_fluid::network::SHIPPED;
     use seakeep_learning::{DeviceNetwork, StepByStep, place, use_threads};
 
     let name = match scene.device {
-        Device::Own => return Ok(()),
+        Device::Own => return Ok(None),
         Device::Cpu => "cpu",
         Device::Cuda => "cuda",
     };
@@ -359,12 +366,14 @@ fn infer_elsewhere(fluid: &mut Fluid, scene: &Scene) -> Result<(), SimulationErr
     use_threads(rayon::current_num_threads());
     let network = DeviceNetwork::new(bytes.as_deref().unwrap_or(SHIPPED), place)
         .map_err(|error| unusable(&error))?;
-    fluid.infer(std::sync::Arc::new(StepByStep::new(network)));
-    Ok(())
+    Ok(Some(Arc::new(StepByStep::new(network))))
 }
 
 /// Without the feature `torch` a case cannot ask for a device.
+///
+/// # Errors
+/// Never.
 #[cfg(not(feature = "torch"))]
-fn infer_elsewhere(_fluid: &mut Fluid, _scene: &Scene) -> Result<(), SimulationError> {
-    Ok(())
+pub fn inference(_scene: &Scene) -> Result<Option<Arc<dyn Inference>>, SimulationError> {
+    Ok(None)
 }

@@ -111,7 +111,7 @@ fn a_network_on_a_device_gives_the_same_motion() {
     let (own, found) = (heave("own"), heave("cpu"));
     assert!(own.abs() > 1e-4, "meant to move: {own}");
     assert!(found != own, "the device was not used");
-    // Measured: 3e-9.
+    // Measured: 5e-11.
     assert!((found / own - 1.0).abs() < 1e-6, "{found} instead of {own}");
     if place("cuda").is_err() {
         let cuda = [&network[..], &["--device", "cuda", "--out", "cuda"]].concat();
@@ -166,6 +166,11 @@ fn what_cannot_be_is_refused() {
         refused(&directory, &with(&["--device", "cuda"]), "device cuda: libtorch");
     }
     refused(&directory, &with(&["--device", "abacus"]), "device abacus: there is: cpu, cuda");
+    let bench = |device| ["bench-pressure", "--rows", "1", "--device", device];
+    if place("cuda").is_err() {
+        refused(&directory, &bench("cuda"), "device cuda: libtorch");
+    }
+    refused(&directory, &bench("abacus"), "pressure.device");
     let path = directory.path().join("training.toml");
     fs::write(&path, TRAINING.replace("seed", "sed")).unwrap();
     refused(&directory, &arguments, "`sed`");

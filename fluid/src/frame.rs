@@ -422,7 +422,7 @@ impl Fluid {
             divergence_tolerance: 0.0,
             ..PressureSettings::default()
         };
-        let (start, mut rival) = (self.work.solution.clone(), self.rival(settings));
+        let (start, mut rival) = (self.work.solution.clone(), self.rival(settings, None));
         self.solve_again(h, start, &mut rival).map(|(_, exact)| exact)
     }
 }

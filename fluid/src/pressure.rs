@@ -288,10 +288,15 @@ impl Fluid {
         self.solver = solver(self.setup.pressure, &self.setup.network, Some(elsewhere));
     }
 
-    /// A solver to compare with, which keeps factors from step to step as a run does.
+    /// A solver to compare with, which keeps factors from step to step as a run does, its network
+    /// evaluated `elsewhere` if that is given.
     #[must_use]
-    pub fn rival(&self, settings: PressureSettings) -> Rival {
-        let solver = solver(settings, &self.setup.network, None);
+    pub fn rival(
+        &self,
+        settings: PressureSettings,
+        elsewhere: Option<Arc<dyn Inference>>,
+    ) -> Rival {
+        let solver = solver(settings, &self.setup.network, elsewhere);
         let (memory, identity, start) = (PressureMemory::default(), Vec::new(), Vec::new());
         Rival { settings, solver, memory, identity, start }
     }

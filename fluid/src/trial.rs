@@ -86,7 +86,7 @@ impl Fluid {
                 Guess::Last => (last.clone(), trial.settings.start),
                 Guess::Mode(wavelength) => (self.with_mode(&exact, wavelength), Start::Given),
             };
-            let mut rival = self.rival(PressureSettings { start, ..trial.settings });
+            let mut rival = self.rival(PressureSettings { start, ..trial.settings }, None);
             let (report, found) = self.solve_again(h, guess.clone(), &mut rival)?;
             let mut outcome = Outcome { report, ..Outcome::default() };
             for (i, exact) in exact.iter().enumerate() {
