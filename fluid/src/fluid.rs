@@ -237,8 +237,8 @@ impl Fluid {
     /// Completes the step of `h` (s) for which the pressure has been solved.
     pub(crate) fn finish(&mut self, h: f64) -> Result<(), FluidError> {
         self.timed(Stage::Correct, |fluid| fluid.correct(h));
-        self.timed(Stage::Damping, |fluid| fluid.damp(h));
         self.timed(Stage::Correct, |fluid| fluid.measure_vain_divergence(h));
+        self.timed(Stage::Damping, |fluid| fluid.damp(h));
         self.timed(Stage::Regularise, |fluid| fluid.regularise(h));
         self.check()?;
         self.response.at(&self.state.accelerations, &mut self.state.loads);

@@ -189,7 +189,7 @@ impl Fluid {
         let mut source = std::mem::take(&mut self.work.source);
         let mut rhs = std::mem::take(&mut self.work.rhs);
         let mut solution = std::mem::take(&mut self.work.solution);
-        let not_asked_again = 1.0 - self.part_asked_again(h);
+        let kept = self.part_kept(h);
         let particles = &self.state.particles;
         let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);
         let this = &*self;
@@ -212,8 +212,8 @@ impl Fluid {
                         continue;
                     }
                     // Eq. (9b): Ψ = α (ρ − ρ*)/dt + (1 − α) ρ ∇·u*.
-                    let divergence = local.velocity_gradient.trace()
-                        - not_asked_again * particles.vain_divergence[i];
+                    let divergence =
+                        local.velocity_gradient.trace() - kept * particles.vain_divergence[i];
                     let mut thin = alpha * too_thin;
                     if this.work.broken.is_at(fields.position[i].x) {
                         thin += CROWDING_FEEDBACK * too_thin_here(local.crowding);

@@ -49,7 +49,8 @@ pub struct DeviceRow {
     pub skill: f64,
     /// Time of the program's own inference, its preparation included, ms for a thousand particles.
     pub own_ms: f64,
-    /// Time on the device, with the copy of the result but not that of the frame, likewise.
+    /// Time on the device, with the coarse equation, which is solved on the processor, and the copy of the result
+    /// but not that of the frame, likewise.
     pub device_ms: f64,
     /// Time until a frame is on the device, likewise.
     pub transfer_ms: f64,

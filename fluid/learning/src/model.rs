@@ -13,7 +13,7 @@ use seakeep_fluid::frame::Frame;
 use seakeep_fluid::network::residual::INITIAL_GATES;
 use seakeep_fluid::network::{Inference, Network, ResidualStep, decode};
 use serde::{Deserialize, Serialize};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard};
 use tch::{Device, Tensor, no_grad};
 
 /// Which network.
@@ -161,7 +161,8 @@ pub struct Inputs {
     prepared: Prepared,
 }
 
-/// A network on a device of libtorch that a fluid may use: one step at a time, whatever its threads.
+/// A network on a device of libtorch that a fluid may use: one step at a time, whatever its threads. The fluid has
+/// the same weights; for the residual network it makes the gates of them.
 pub struct StepByStep(Mutex<DeviceNetwork>);
 
 impl StepByStep {
@@ -170,16 +171,24 @@ impl StepByStep {
     pub fn new(network: DeviceNetwork) -> Self {
         Self(Mutex::new(network))
     }
+
+    /// The network, if it is the `model` that the fluid has.
+    fn network(&self, model: Model) -> Result<MutexGuard<'_, DeviceNetwork>, String> {
+        let network = self.0.lock().map_err(|error| error.to_string())?;
+        match network.model == model {
+            true => Ok(network),
+            false => Err(format!("the network on the device is \"{}\"", network.model.name())),
+        }
+    }
 }
 
 impl Inference for StepByStep {
     fn residual(&self, step: ResidualStep<'_>) -> Result<Vec<f32>, String> {
-        let network = self.0.lock().map_err(|error| error.to_string())?;
-        Ok(values(&residual::of_step(step, network.device)))
+        Ok(values(&residual::of_step(step, self.network(Model::Residual)?.device)))
     }
 
     fn paper(&self, frame: &Frame) -> Result<Vec<f32>, String> {
-        let network = self.0.lock().map_err(|error| error.to_string())?;
+        let network = self.network(Model::Paper)?;
         Ok(network.correction(&network.inputs(frame)))
     }
 }

@@ -28,34 +28,43 @@ impl Level {
     }
 }
 
+/// How the coarse equation is solved.
+enum Solve {
+    /// By its factors, on the processor: for one residual, without gradients.
+    Factors(ResidualGraph),
+    /// By its inverse: it can be differentiated.
+    Inverse(Tensor),
+}
+
 /// What this network alone needs of a frame.
 pub(crate) struct Levels {
     features: Tensor,
     level: Level,
-    graph: ResidualGraph,
-    /// Of the coarse equation, made for training alone: it can be differentiated.
-    inverse: Option<Tensor>,
+    solve: Solve,
 }
 
 impl Levels {
-    /// For one correction after the other.
+    /// For the correction of one residual.
     pub(crate) fn new(frame: &Frame, device: Device) -> Self {
+        Self::with(frame, device, Solve::Factors)
+    }
+
+    /// For training: many residuals, and gradients.
+    pub(crate) fn differentiable(frame: &Frame, device: Device) -> Self {
+        Self::with(frame, device, |graph| {
+            let (inverse, count) = (graph.coarse().inverse(), graph.coarse().node_count() as i64);
+            Solve::Inverse(Tensor::from_slice(&inverse).reshape([count, count]).to(device))
+        })
+    }
+
+    fn with(frame: &Frame, device: Device, solve: impl FnOnce(ResidualGraph) -> Solve) -> Self {
         let graph = ResidualGraph::new(frame);
         let features = Tensor::from_slice(&graph.features).reshape([-1, FEATURES as i64]);
         Self {
             features: features.to(device),
             level: Level::new(&graph.divisor, graph.coarse(), device),
-            graph,
-            inverse: None,
+            solve: solve(graph),
         }
-    }
-
-    /// For training.
-    pub(crate) fn differentiable(frame: &Frame, device: Device) -> Self {
-        let levels = Self::new(frame, device);
-        let inverse = Tensor::from_slice(&levels.graph.coarse().inverse());
-        let count = levels.level.node_count;
-        Self { inverse: Some(inverse.reshape([count, count]).to(device)), ..levels }
     }
 
     /// The corrections, n × c, for residuals `r`, n × c, by the network of `parameters`, which are in
@@ -64,9 +73,9 @@ impl Levels {
         let [encoder, encoder_bias, gates, gates_bias] = [0, 1, 2, 3].map(|i| &parameters[i]);
         let hidden = (self.features.matmul(&encoder.tr()) + encoder_bias).relu();
         let gates = hidden.matmul(&gates.tr()) + gates_bias;
-        correction(&gates, matrix, &self.level, r, |nodes| match &self.inverse {
-            Some(inverse) => inverse.matmul(&nodes),
-            None => on_processor(self.graph.coarse(), nodes),
+        correction(&gates, matrix, &self.level, r, |nodes| match &self.solve {
+            Solve::Factors(graph) => on_processor(graph.coarse(), nodes),
+            Solve::Inverse(inverse) => inverse.matmul(&nodes),
         })
     }
 }
@@ -85,9 +94,10 @@ pub(crate) fn of_step(step: ResidualStep<'_>, device: Device) -> Tensor {
     })
 }
 
-/// The coarse equation solved on the processor, by its factors: they are banded, of a few nodes, and each row
-/// waits for the one before.
+/// The coarse equation solved on the processor for one right-hand side, by its factors: they are banded, of a few
+/// nodes, and each row waits for the one before.
 fn on_processor(coarse: CoarseLevel<'_>, nodes: Tensor) -> Tensor {
+    debug_assert_eq!(nodes.numel(), coarse.node_count());
     let mut values = vec![0.0f32; nodes.numel()];
     nodes.to_device(Device::Cpu).copy_data(&mut values, nodes.numel());
     coarse.solve(&mut values);

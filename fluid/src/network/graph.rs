@@ -18,7 +18,6 @@ pub struct ResidualGraph {
     pub features: Vec<f32>,
     /// What each row was divided by for its unit diagonal.
     pub divisor: Vec<f32>,
-    matrix: SparseMatrix,
     places: Places,
     coarse: Coarse,
 }
@@ -32,21 +31,26 @@ fn known(frame: &Frame) -> Vec<bool> {
     frame.on_surface.iter().map(|surface| *surface != 0).collect()
 }
 
+/// The matrix of `frame`, the particles' places in a lattice and its coarse equation.
+fn levels(frame: &Frame) -> (SparseMatrix, Places, Coarse) {
+    let matrix = frame.matrix();
+    let position = points(frame);
+    let (mut places, mut coarse) = (Places::default(), Coarse::default());
+    let spacing = frame.scales.spacing;
+    places.find(&position, spacing, lattice::shape(&position, spacing));
+    coarse.factorize(&places, &matrix);
+    (matrix, places, coarse)
+}
+
 impl ResidualGraph {
     /// The graph of `frame`.
     #[must_use]
     pub fn new(frame: &Frame) -> Self {
-        let matrix = frame.matrix();
-        let position = points(frame);
-        let (mut places, mut coarse) = (Places::default(), Coarse::default());
-        let spacing = frame.scales.spacing;
-        places.find(&position, spacing, lattice::shape(&position, spacing));
-        coarse.factorize(&places, &matrix);
+        let (matrix, places, coarse) = levels(frame);
         let features = |i| residual::features(&matrix, &places, usize::from(frame.walls[i]), i);
         Self {
             features: (0..frame.len()).flat_map(features).collect(),
             divisor: frame.divisor.clone(),
-            matrix,
             places,
             coarse,
         }
@@ -218,14 +222,14 @@ impl Network {
     pub fn correction(&self, frame: &Frame) -> Vec<f32> {
         match &self.0 {
             Weights::Residual(weights) => {
-                let ResidualGraph { matrix, places, coarse, .. } = &ResidualGraph::new(frame);
+                let (matrix, places, coarse) = levels(frame);
                 let walls = |i: usize| usize::from(frame.walls[i]);
                 let mut gates = Vec::new();
-                weights.all_gates(matrix, places, walls, &mut gates);
-                let level = Level { places, coarse, gates: &gates };
+                weights.all_gates(&matrix, &places, walls, &mut gates);
+                let level = Level { places: &places, coarse: &coarse, gates: &gates };
                 let residual = |i: usize, _: Row<'_>, _: &[_]| [f64::from(frame.residual[i]), 0.0];
                 let mut change = vec![[0.0]; frame.len()];
-                Residual::default().correct(level, matrix, &mut change, residual);
+                Residual::default().correct(level, &matrix, &mut change, residual);
                 change.iter().map(|change| change[0] as f32).collect()
             }
             Weights::Paper(weights) => {

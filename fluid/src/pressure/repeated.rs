@@ -12,7 +12,8 @@
 //! But what is asked for in vain may come back a little larger than it was, and the more often it is
 //! asked for, the faster it grows: with steps of a quarter of the default's a pattern that alternates along
 //! the bed grew behind a paddle faster than the filter takes it away, and braked the wave. So it is asked for
-//! at a rate, whatever the step: a step shorter than [`ANSWER_TIME`] asks for a part of it.
+//! at a rate, whatever the step: a step shorter than [`ANSWER_TIME`] asks for a part of it and keeps the rest back.
+//! It then is measured at every wall, and all of it that is asked for within six depths of a body is no load.
 
 use super::Fluid;
 use crate::error::FluidError;
@@ -29,19 +30,18 @@ use rayon::prelude::*;
 const ANSWER_TIME: f64 = 0.02;
 
 impl Fluid {
-    /// Part of the divergence left in vain that a step of `h` (s) asks for again.
-    pub(crate) fn part_asked_again(&self, h: f64) -> f64 {
+    /// Part of the divergence left in vain that a step of `h` (s) does not ask for again.
+    pub(crate) fn part_kept(&self, h: f64) -> f64 {
         let unit = (self.setup.numerics.particle_spacing / self.setup.water.gravity).sqrt();
-        (h / (ANSWER_TIME * unit)).min(1.0)
+        (1.0 - h / (ANSWER_TIME * unit)).max(0.0)
     }
 
-    /// Measures what a step of `h` (s) leaves of the divergence that its pressure, by its Laplacian, was
-    /// to take away, where a body's walls reach and one neighbour further: the divergence after the
-    /// step, less that before, and h ∇²p/ρ, and what was left before and not asked for again. What a
-    /// solver leaves is thus no part of it. What the filter is about to add is one: it makes divergence,
-    /// but no load. A step that does not ask for all of it needs it at every wall.
+    /// Measures what is left in vain after a step of `h` (s), before damping zones act: with the part κ of v
+    /// that was kept back, v ← ∇·u after − ∇·u before + h ∇²p/ρ + κ v. What a solver leaves is thus no part of
+    /// it. What the filter is about to add is one: it makes divergence, but no load. It is measured where a body's
+    /// walls reach and one neighbour further; where something is kept back, at every wall.
     pub(crate) fn measure_vain_divergence(&mut self, h: f64) {
-        let kept = 1.0 - self.part_asked_again(h);
+        let kept = self.part_kept(h);
         if !self.has_bodies() && kept == 0.0 {
             self.state.particles.vain_divergence.fill(0.0);
             return;
@@ -119,7 +119,7 @@ impl Fluid {
             return Ok(());
         }
         let (settings, numerics) = (self.setup.pressure, self.setup.numerics);
-        let scale = self.part_asked_again(h)
+        let scale = (1.0 - self.part_kept(h))
             * (1.0 - numerics.density_blend)
             * self.setup.water.density
             * numerics.particle_spacing.powi(2)
