@@ -212,8 +212,8 @@ impl Fluid {
                         continue;
                     }
                     // Eq. (9b): Ψ = α (ρ − ρ*)/dt + (1 − α) ρ ∇·u*.
-                    let divergence = local.velocity_gradient.trace()
-                        - this.kept_at(i, kept) * particles.vain_divergence[i];
+                    let divergence =
+                        local.velocity_gradient.trace() - kept * particles.vain_divergence[i];
                     let mut thin = alpha * too_thin;
                     if this.work.broken.is_at(fields.position[i].x) {
                         thin += CROWDING_FEEDBACK * too_thin_here(local.crowding);

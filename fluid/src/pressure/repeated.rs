@@ -30,17 +30,14 @@ use rayon::prelude::*;
 const ANSWER_TIME: f64 = 0.02;
 
 impl Fluid {
-    /// Part of the divergence left in vain that a step of `h` (s) does not ask for again.
+    /// Part of the divergence left in vain that a step of `h` (s) does not ask for again. Nothing where the surface
+    /// is no line: in broken water there is no pattern to grow, and what is left in vain is another thing in each step.
     pub(crate) fn part_kept(&self, h: f64) -> f64 {
+        if !self.surface_is_a_line() {
+            return 0.0;
+        }
         let unit = (self.setup.numerics.particle_spacing / self.setup.water.gravity).sqrt();
         (1.0 - h / (ANSWER_TIME * unit)).max(0.0)
-    }
-
-    /// What of the part `kept` back holds for particle `i`: nothing in broken water, where there is no pattern to
-    /// grow, and what is left in vain is another thing in each step.
-    pub(crate) fn kept_at(&self, i: usize, kept: f64) -> f64 {
-        let broken = kept > 0.0 && self.work.broken.is_at(self.work.position[i].x);
-        if broken { 0.0 } else { kept }
     }
 
     /// Measures what is left in vain after a step of `h` (s), before damping zones act: with the part κ of v
@@ -84,7 +81,7 @@ impl Fluid {
                     let walls = operators::neumann(fields, i, |w| this.present_slope(w));
                     let asked = operators::laplacian(fields, i, local, &particles.pressure, &walls);
                     *vain += asked * h / density - local.velocity_gradient.trace();
-                    *vain += this.kept_at(i, kept) * last[i];
+                    *vain += kept * last[i];
                 }
             }
         });
@@ -126,15 +123,14 @@ impl Fluid {
             return Ok(());
         }
         let (settings, numerics) = (self.setup.pressure, self.setup.numerics);
-        let kept = self.part_kept(h);
-        let scale = (1.0 - numerics.density_blend)
+        let scale = (1.0 - self.part_kept(h))
+            * (1.0 - numerics.density_blend)
             * self.setup.water.density
             * numerics.particle_spacing.powi(2)
             / h;
         let mut rhs = std::mem::take(&mut self.work.repeated_rhs);
         let mut solution = std::mem::take(&mut self.work.repeated);
-        let this = &*self;
-        let (work, particles) = (&this.work, &this.state.particles);
+        let (work, particles) = (&self.work, &self.state.particles);
         let blocks = rhs.par_chunks_mut(BLOCK).zip(solution.par_chunks_mut(BLOCK));
         blocks.enumerate().for_each(|(block, (rhs, solution))| {
             for (offset, (rhs, solution)) in rhs.iter_mut().zip(solution).enumerate() {
@@ -142,8 +138,7 @@ impl Fluid {
                 let diagonal = work.locals[i].diagonal;
                 let has_equation = !work.on_surface[i] && diagonal > 0.0;
                 let or_nought = |value: f64| if has_equation { [value] } else { [0.0] };
-                let asked = (1.0 - this.kept_at(i, kept)) * particles.vain_divergence[i];
-                *rhs = or_nought(-scale * asked / diagonal);
+                *rhs = or_nought(-scale * particles.vain_divergence[i] / diagonal);
                 *solution = match settings.start {
                     Start::Cold => [0.0],
                     Start::Warm | Start::Given => or_nought(particles.repeated_pressure[i][0]),
