@@ -320,13 +320,33 @@ impl Fluid {
     }
 
     pub(crate) fn operators(&mut self) {
+        self.assemble(Self::known_slope, Self::surface_pressure);
+    }
+
+    /// The operators and equations for ∂p/∂n of the walls, `slope` (Pa/m), and the pressure of the surface's
+    /// particles, `surface_pressure` (Pa).
+    pub(crate) fn assemble(
+        &mut self,
+        slope: impl Fn(&Self, usize) -> f64 + Sync,
+        surface_pressure: impl Fn(&Self, usize) -> f64 + Sync,
+    ) {
         let mut scratch = std::mem::take(&mut self.work.scratch);
         let mut locals = std::mem::take(&mut self.work.locals);
+        let mut equations = std::mem::take(&mut self.work.equations);
         let mut matrix = std::mem::take(&mut self.work.matrix);
         let fields = Self::fields(&self.setup, &self.state.particles, &self.walls, &self.work);
-        operators::assemble(fields, &mut scratch, &mut locals, &mut matrix);
+        operators::assemble(
+            fields,
+            |w| slope(self, w),
+            |j| surface_pressure(self, j),
+            &mut scratch,
+            &mut locals,
+            &mut equations,
+            &mut matrix,
+        );
         self.work.scratch = scratch;
         self.work.locals = locals;
+        self.work.equations = equations;
         self.work.matrix = matrix;
     }
 

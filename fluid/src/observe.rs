@@ -161,7 +161,7 @@ impl Fluid {
             d.max_speed = d.max_speed.max(speed2.sqrt());
             d.max_hydrostatic_pressure_error =
                 d.max_hydrostatic_pressure_error.max(particles.pressure[i].abs());
-            d.divergence_rms += local.velocity_gradient.trace().powi(2);
+            d.divergence_rms += self.work.equations[i].divergence.powi(2);
             d.thin_stencils += usize::from(local.quality != fit::Quality::Full);
         }
         d.divergence_rms = (d.divergence_rms / particles.len() as f64).sqrt();

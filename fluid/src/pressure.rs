@@ -11,7 +11,7 @@ use crate::fluid::Fluid;
 use crate::krylov::Stop;
 use crate::neighbours::BLOCK;
 use crate::network::{Inference, Network};
-use crate::operators::{self, Local};
+use crate::operators::{self, Equation};
 use crate::walls::Owner;
 use nalgebra::Point2;
 use network::NetworkSolver;
@@ -95,14 +95,13 @@ impl Fluid {
             rhs.par_chunks_mut(BLOCK).enumerate().for_each(|(block, rhs)| {
                 for (offset, rhs) in rhs.iter_mut().enumerate() {
                     let i = block * BLOCK + offset;
-                    let local = &self.work.locals[i];
+                    let diagonal = self.work.equations[i].diagonal;
                     *rhs = [0.0; 3];
-                    if fields.on_surface[i]
-                        || local.diagonal <= 0.0
-                        || fields.wall_lists.of(i).is_empty()
+                    if fields.on_surface[i] || diagonal <= 0.0 || fields.wall_lists.of(i).is_empty()
                     {
                         continue;
                     }
+                    let laplacian = &self.work.locals[i].pressure.laplacian;
                     for (mode, rhs) in rhs.iter_mut().enumerate() {
                         let sum = operators::neumann(fields, i, |w| {
                             if self.walls.owner[w] == Owner::Boundary(boundary) {
@@ -111,7 +110,7 @@ impl Fluid {
                                 0.0
                             }
                         });
-                        *rhs = fit::dot(&local.pressure.laplacian, &sum) / local.diagonal;
+                        *rhs = fit::dot(laplacian, &sum) / diagonal;
                     }
                 }
             });
@@ -122,7 +121,7 @@ impl Fluid {
                 }
                 Start::Cold => solution.fill([0.0; 3]),
             }
-            clear_rows(&mut solution, &self.work.on_surface, &self.work.locals);
+            clear_rows(&mut solution, &self.work.on_surface, &self.work.equations);
             // Its error enters times the acceleration, and the next step starts from it.
             let mut stop = self.stop(&settings, f64::INFINITY);
             stop.relative *= if self.state.step == 0 { 1e-2 } else { UNIT_TOLERANCE };
@@ -191,7 +190,6 @@ impl Fluid {
         let mut solution = std::mem::take(&mut self.work.solution);
         let kept = self.part_kept(h);
         let particles = &self.state.particles;
-        let fields = Self::fields(&self.setup, particles, &self.walls, &self.work);
         let this = &*self;
         let blocks = solution.par_chunks_mut(BLOCK).zip(source.par_chunks_mut(BLOCK));
         rhs.par_chunks_mut(BLOCK).zip(blocks).enumerate().for_each(
@@ -199,30 +197,27 @@ impl Fluid {
                 let values = solution.iter_mut().zip(source);
                 for (offset, (rhs, (solution, source))) in rhs.iter_mut().zip(values).enumerate() {
                     let i = block * BLOCK + offset;
-                    let local = &this.work.locals[i];
+                    let equation = &this.work.equations[i];
                     *source = 0.0;
-                    if fields.on_surface[i] {
+                    if this.work.on_surface[i] {
                         *rhs = [0.0];
                         *solution = [0.0];
                         continue;
                     }
-                    if local.diagonal <= 0.0 {
+                    if equation.diagonal <= 0.0 {
                         *rhs = [this.surface_pressure(i)];
                         *solution = *rhs;
                         continue;
                     }
                     // Eq. (9b): Ψ = α (ρ − ρ*)/dt + (1 − α) ρ ∇·u*.
-                    let divergence =
-                        local.velocity_gradient.trace() - kept * particles.vain_divergence[i];
+                    let divergence = equation.divergence - kept * particles.vain_divergence[i];
                     let mut thin = alpha * too_thin;
-                    if this.work.broken.is_at(fields.position[i].x) {
-                        thin += CROWDING_FEEDBACK * too_thin_here(local.crowding);
+                    if this.work.broken.is_at(this.work.position[i].x) {
+                        thin += CROWDING_FEEDBACK * too_thin_here(equation.crowding);
                     }
                     *source = water.density * (thin / h + (1.0 - alpha) * divergence);
-                    let walls = operators::neumann(fields, i, |w| this.known_slope(w));
-                    rhs[0] = (fit::dot(&local.pressure.laplacian, &walls) - square * *source / h)
-                        / local.diagonal
-                        + operators::dirichlet(fields, i, local, |j| this.surface_pressure(j));
+                    rhs[0] = (equation.walls - square * *source / h) / equation.diagonal
+                        + equation.surface;
                     // The last pressure, less the part of the accelerations.
                     solution[0] = particles.pressure[i] - this.reaction_pressure(i);
                 }
@@ -269,10 +264,10 @@ impl Fluid {
     /// The pressure of the step before, less the part of the accelerations; zero on the surface, and
     /// that of the surface for particles without an equation, Pa.
     pub(crate) fn last_pressure(&self) -> Vec<[f64; 1]> {
-        let equations = self.work.on_surface.iter().zip(&self.work.locals);
-        let start = equations.enumerate().map(|(i, (&surface, local))| match surface {
+        let equations = self.work.on_surface.iter().zip(&self.work.equations);
+        let start = equations.enumerate().map(|(i, (&surface, equation))| match surface {
             true => [0.0],
-            false if local.diagonal <= 0.0 => [self.surface_pressure(i)],
+            false if equation.diagonal <= 0.0 => [self.surface_pressure(i)],
             false => [self.state.particles.pressure[i] - self.reaction_pressure(i)],
         });
         start.collect()
@@ -280,7 +275,7 @@ impl Fluid {
 
     fn divergence_per_residual(&self, h: f64) -> f64 {
         let square = self.setup.numerics.particle_spacing.powi(2);
-        mean_diagonal(&self.work.locals) * h / (self.setup.water.density * square)
+        mean_diagonal(&self.work.equations) * h / (self.setup.water.density * square)
     }
 
     /// From now on the network, where one finds the pressure, is evaluated `elsewhere`.
@@ -393,17 +388,18 @@ fn too_thin_here(crowding: f64) -> f64 {
 }
 
 /// Mean diagonal of the rows before they were scaled by it, from a sample of them.
-fn mean_diagonal(locals: &[Local]) -> f64 {
+fn mean_diagonal(equations: &[Equation]) -> f64 {
     const EVERY: usize = 97;
-    let sample = locals.iter().step_by(EVERY).map(|local| local.diagonal).filter(|d| *d > 0.0);
+    let sample = equations.iter().step_by(EVERY).map(|equation| equation.diagonal);
+    let sample = sample.filter(|d| *d > 0.0);
     let (sum, count) = sample.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0));
     if count > 0.0 { sum / count } else { 1.0 }
 }
 
 /// Zeroes the rows of the surface and of particles without an equation.
-fn clear_rows(values: &mut [[f64; 3]], on_surface: &[bool], locals: &[Local]) {
-    for ((value, &surface), local) in values.iter_mut().zip(on_surface).zip(locals) {
-        if surface || local.diagonal <= 0.0 {
+fn clear_rows(values: &mut [[f64; 3]], on_surface: &[bool], equations: &[Equation]) {
+    for ((value, &surface), equation) in values.iter_mut().zip(on_surface).zip(equations) {
+        if surface || equation.diagonal <= 0.0 {
             *value = [0.0; 3];
         }
     }

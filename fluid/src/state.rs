@@ -4,7 +4,7 @@ use crate::broken_water::{BrokenWater, Spray};
 use crate::krylov::Krylov;
 use crate::loads::PointPressure;
 use crate::neighbours::{CellGrid, Neighbours};
-use crate::operators::{Local, Scratch};
+use crate::operators::{Equation, Local, Scratch};
 use crate::particles::Particles;
 use crate::pressure::solver::PressureMemory;
 use crate::sparse::SparseMatrix;
@@ -67,6 +67,7 @@ pub(crate) struct Work {
     pub(crate) fluid_of_walls: Neighbours,
     pub(crate) scratch: Vec<Scratch>,
     pub(crate) locals: Vec<Local>,
+    pub(crate) equations: Vec<Equation>,
     pub(crate) matrix: SparseMatrix,
     /// Ψ of Eq. (9b), kg/(m³ s).
     pub(crate) source: Vec<f64>,
@@ -107,6 +108,7 @@ impl Work {
         self.on_surface.resize(count, false);
         self.normal.resize(count, Vector2::zeros());
         self.locals.resize(count, Local::default());
+        self.equations.resize(count, Equation::default());
         self.source.resize(count, 0.0);
         self.rhs.resize(count, [0.0]);
         self.solution.resize(count, [0.0]);

@@ -33,12 +33,7 @@ pub(crate) struct Local {
     /// Shift towards a regular arrangement, m, and what it does to the velocity, m/s.
     pub(crate) shift: Vector2<f64>,
     pub(crate) shift_velocity: Vector2<f64>,
-    /// Sum of the off-diagonal coefficients before the row was scaled by it; zero for a particle
-    /// without an equation.
-    pub(crate) diagonal: f64,
     pub(crate) quality: Quality,
-    /// Density of the particles around it relative to a lattice's; 1 on the surface.
-    pub(crate) crowding: f64,
     /// Part of the filter's rate that applies here.
     pub(crate) filter: f64,
     /// From the particle to the smooth surface, m; zero below the surface.
@@ -47,6 +42,23 @@ pub(crate) struct Local {
     pub(crate) contacts: [Option<regularise::Contact>; 2],
     /// The corner whose function its fits take, if there is one.
     pub(crate) corner: Option<u32>,
+}
+
+/// What a particle's pressure equation has beside its row: all that is read of every particle where
+/// right-hand sides are made, apart from the much larger [`Local`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Equation {
+    /// Sum of the off-diagonal coefficients before the row was scaled by it; zero for a particle
+    /// without an equation.
+    pub(crate) diagonal: f64,
+    /// ∇·u, 1/s.
+    pub(crate) divergence: f64,
+    /// Density of the particles around it relative to a lattice's; 1 on the surface.
+    pub(crate) crowding: f64,
+    /// What the known ∂p/∂n of the walls adds to dx² ∇²p, Pa.
+    pub(crate) walls: f64,
+    /// What the pressure of the surface neighbours adds to the particle's own, Pa.
+    pub(crate) surface: f64,
 }
 
 /// A particle whose row has a smaller diagonal has no equation of its own: its neighbours, a few in
@@ -63,48 +75,60 @@ pub(crate) struct Scratch {
 
 /// Computes everything local and assembles the pressure matrix: for an inner particle i
 /// p_i − Σ a_ij p_j = −dx² f_i / d_i + (walls), for a surface particle p_i = 0.
-/// Surface neighbours are left out of the matrix: their known pressure is part of the right-hand
-/// side ([`dirichlet`]).
+/// Surface neighbours are left out of the matrix: their known pressure, `surface_pressure(j)` (Pa),
+/// goes to the right-hand side, as does the known ∂p/∂n of the walls, `slope(w)` (Pa/m).
 pub(crate) fn assemble(
     fields: Fields,
+    slope: impl Fn(usize) -> f64 + Sync,
+    surface_pressure: impl Fn(usize) -> f64 + Sync,
     scratch: &mut Vec<Scratch>,
     locals: &mut [Local],
+    equations: &mut [Equation],
     matrix: &mut SparseMatrix,
 ) {
     let blocks = fields.position.len().div_ceil(BLOCK);
     scratch.resize_with(blocks, Scratch::default);
     matrix.blocks.resize_with(blocks, Default::default);
     let arch = pulp::Arch::new();
-    locals
-        .par_chunks_mut(BLOCK)
-        .zip(scratch.par_iter_mut().zip(&mut matrix.blocks))
-        .enumerate()
-        .for_each(|(block, (locals, (scratch, matrix)))| {
+    let found = locals.par_chunks_mut(BLOCK).zip(equations.par_chunks_mut(BLOCK));
+    found.zip(scratch.par_iter_mut().zip(&mut matrix.blocks)).enumerate().for_each(
+        |(block, ((locals, equations), (scratch, matrix)))| {
+            let plain = &mut scratch.plain;
             // With the widest instructions that the processor has.
-            arch.dispatch(plain::Task { fields, block, locals, scratch: &mut scratch.plain });
+            arch.dispatch(plain::Task { fields, block, locals, equations, scratch: plain });
             matrix.clear();
             let rows = &mut scratch.rows;
-            for (offset, local) in locals.iter_mut().enumerate() {
+            for (offset, (local, equation)) in locals.iter_mut().zip(equations).enumerate() {
                 let i = block * BLOCK + offset;
                 let coefficients = match scratch.plain.coefficients(fields, block, offset) {
                     Some(coefficients) => coefficients,
                     None => {
                         gather(fields, i, rows);
-                        *local = evaluate(fields, i, rows);
+                        (*local, *equation) = evaluate(fields, i, rows);
                         rows.values.coefficients()
                     }
                 };
-                if !fields.on_surface[i] && local.diagonal > 0.0 {
-                    let scale = -1.0 / local.diagonal;
+                if !fields.on_surface[i] && equation.diagonal > 0.0 {
+                    let scale = -1.0 / equation.diagonal;
+                    let mut below_surface = false;
                     for (&j, a) in fields.fluid.of(i).iter().zip(coefficients) {
-                        if !fields.on_surface[j as usize] {
+                        if fields.on_surface[j as usize] {
+                            below_surface = true;
+                        } else {
                             matrix.push(j, a * scale);
                         }
                     }
+                    let walls = neumann(fields, i, &slope);
+                    equation.walls = fit::dot(&local.pressure.laplacian, &walls);
+                    if below_surface {
+                        let sum = dirichlet(fields, i, local, &surface_pressure);
+                        equation.surface = sum / equation.diagonal;
+                    }
                 }
-                matrix.end_row(local.diagonal);
+                matrix.end_row(equation.diagonal);
             }
-        });
+        },
+    );
 }
 
 /// Collects the rows of the fit around particle `i`.
@@ -171,7 +195,7 @@ impl Default for Derivatives {
 }
 
 #[inline(always)]
-fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
+fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> (Local, Equation) {
     let own = fields.velocity[i];
     let excess = |row: &WallRow| row.normal.dot(&(fields.walls.velocity[row.index as usize] - own));
     let derivatives = match fields.discretisation {
@@ -180,7 +204,7 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
     };
     let velocity = derivatives.velocity;
     let (shift, crowding) = regularise::shift(fields, i, rows);
-    let mut local = local(fields, derivatives, shift, crowding);
+    let (mut local, equation) = found(fields, derivatives, shift, crowding);
     if let Some(singular) = &rows.singular {
         let corner = &fields.walls.corners[singular.corner as usize];
         let scale = 1.0 / fields.spacing;
@@ -197,18 +221,27 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> Local {
         local.surface_roughness = fields.normal[i] * (smooth.height * fields.spacing);
         local.roughness = smooth.velocity;
     }
-    local
+    (local, equation)
 }
 
 /// What follows from the `derivatives` and the `shift` (spacings), away from walls and surface.
 #[inline(always)]
-fn local(fields: Fields, derivatives: Derivatives, shift: Vector2<f64>, crowding: f64) -> Local {
+fn found(
+    fields: Fields,
+    derivatives: Derivatives,
+    shift: Vector2<f64>,
+    crowding: f64,
+) -> (Local, Equation) {
     let Derivatives { pressure, velocity_gradient, velocity, diagonal, quality } = derivatives;
     let scale = 1.0 / fields.spacing;
     let basis = fit::basis(shift);
-    Local {
+    let velocity_gradient = velocity_gradient * scale;
+    let diagonal = if diagonal > LEAST_DIAGONAL { diagonal } else { 0.0 };
+    let divergence = velocity_gradient.trace();
+    let equation = Equation { diagonal, divergence, crowding, ..Equation::default() };
+    let local = Local {
         pressure,
-        velocity_gradient: velocity_gradient * scale,
+        velocity_gradient,
         laplacian_of_velocity: Vector2::new(
             velocity.u[2] + velocity.u[4],
             velocity.v[2] + velocity.v[4],
@@ -216,14 +249,13 @@ fn local(fields: Fields, derivatives: Derivatives, shift: Vector2<f64>, crowding
         roughness: velocity.roughness.into(),
         shift: shift * fields.spacing,
         shift_velocity: Vector2::new(fit::dot(&basis, &velocity.u), fit::dot(&basis, &velocity.v)),
-        diagonal: if diagonal > LEAST_DIAGONAL { diagonal } else { 0.0 },
         quality,
-        crowding,
         filter: 1.0,
         contacts: [None; 2],
         corner: None,
         surface_roughness: Vector2::zeros(),
-    }
+    };
+    (local, equation)
 }
 
 /// The `divergence` of the velocity at the `wanted` particles, 1/s, where wall particle w moves with
@@ -281,27 +313,26 @@ pub(crate) fn density_deviation(fields: Fields) -> f64 {
     if count == 0.0 { 0.0 } else { (squares * count / (sum * sum) - 1.0).max(0.0).sqrt() }
 }
 
-/// Contribution of the surface neighbours of inner particle `i` to its right-hand side, for the
-/// pressure `surface_pressure(j)` on them.
+/// Sum over the surface neighbours of inner particle `i` of their `surface_pressure(j)` times its
+/// coefficient.
 #[inline(always)]
-pub(crate) fn dirichlet(
+fn dirichlet(
     fields: Fields,
     i: usize,
     local: &Local,
     surface_pressure: impl Fn(usize) -> f64,
 ) -> f64 {
-    let sum = match fields.discretisation {
+    match fields.discretisation {
         Discretisation::Quadratic => {
             surface_sum(fields, i, local, surface_pressure, quadratic::value_row)
         }
         Discretisation::Conventional => {
             surface_sum(fields, i, local, surface_pressure, conventional::value_row)
         }
-    };
-    sum / local.diagonal
+    }
 }
 
-/// Sum over the surface neighbours of particle `i` of their pressure times its coefficient.
+/// [`dirichlet`] with the `row` of a discretisation.
 #[inline(always)]
 fn surface_sum(
     fields: Fields,
@@ -458,10 +489,10 @@ mod tests {
     use crate::tests::{bodies, scatter};
 
     /// All numbers of what is found around a particle.
-    fn numbers(local: &Local, coefficients: &[f64]) -> Vec<u64> {
+    fn numbers(local: &Local, equation: &Equation, coefficients: &[f64]) -> Vec<u64> {
         let fit = &local.pressure;
         let vectors = [local.laplacian_of_velocity, local.roughness, local.shift];
-        let single = [local.diagonal, local.crowding, local.filter];
+        let single = [equation.diagonal, equation.crowding, equation.divergence, local.filter];
         let all = fit.gradient_x.iter().chain(&fit.gradient_y).chain(&fit.laplacian);
         let all = all.chain(local.velocity_gradient.iter()).chain(local.shift_velocity.iter());
         let all = all.chain(vectors.iter().flatten()).chain(&single).chain(coefficients);
@@ -482,13 +513,14 @@ mod tests {
         let mut rows = Rows::default();
         let mut together = 0;
         for (i, local) in fluid.work.locals.iter().enumerate() {
+            let equation = &fluid.work.equations[i];
             let (block, offset) = (i / BLOCK, i % BLOCK);
             let plain = &fluid.work.scratch[block].plain;
             let Some(coefficients) = plain.coefficients(fields, block, offset) else { continue };
             gather(fields, i, &mut rows);
-            let alone = evaluate(fields, i, &mut rows);
-            let of_alone = numbers(&alone, rows.values.coefficients());
-            assert_eq!(numbers(local, coefficients), of_alone, "particle {i}");
+            let (alone, of_equation) = evaluate(fields, i, &mut rows);
+            let of_alone = numbers(&alone, &of_equation, rows.values.coefficients());
+            assert_eq!(numbers(local, equation, coefficients), of_alone, "particle {i}");
             together += 1;
         }
         assert!(together > 100, "{together} of {}", fluid.work.locals.len());

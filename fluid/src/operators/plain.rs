@@ -1,7 +1,7 @@
 //! The operators away from walls and off the surface, where nothing but the neighbours counts: a few
 //! particles at a time, side by side in the processor's vector registers.
 
-use super::{Derivatives, Local, local};
+use super::{Derivatives, Equation, Local, found};
 use crate::fields::Fields;
 use crate::fit::{self, Columns, Moments, PressureFit, Quality};
 use crate::lanes::{LANES, Lanes, Number};
@@ -45,6 +45,7 @@ pub(super) struct Task<'a> {
     pub(super) fields: Fields<'a>,
     pub(super) block: usize,
     pub(super) locals: &'a mut [Local],
+    pub(super) equations: &'a mut [Equation],
     pub(super) scratch: &'a mut Scratch,
 }
 
@@ -53,13 +54,19 @@ impl pulp::NullaryFnOnce for Task<'_> {
 
     #[inline(always)]
     fn call(self) {
-        evaluate(self.fields, self.block, self.locals, self.scratch);
+        evaluate(self.fields, self.block, self.locals, self.equations, self.scratch);
     }
 }
 
 /// Evaluates the plain particles of `block` with second-order fits.
 #[inline(always)]
-fn evaluate(fields: Fields, block: usize, locals: &mut [Local], scratch: &mut Scratch) {
+fn evaluate(
+    fields: Fields,
+    block: usize,
+    locals: &mut [Local],
+    equations: &mut [Equation],
+    scratch: &mut Scratch,
+) {
     let Scratch { columns, plain, done, coefficient } = scratch;
     plain.clear();
     done.clear();
@@ -110,7 +117,8 @@ fn evaluate(fields: Fields, block: usize, locals: &mut [Local], scratch: &mut Sc
             };
             let push = Vector2::new(push[0].0[k], push[1].0[k]);
             let (shift, crowding) = regularise::inner_shift(push, closeness.0[k]);
-            locals[offset] = local(fields, derivatives, shift, crowding);
+            let found = found(fields, derivatives, shift, crowding);
+            (locals[offset], equations[offset]) = found;
         }
     }
 }

@@ -80,7 +80,7 @@ impl Fluid {
                     let local = &work.locals[i];
                     let walls = operators::neumann(fields, i, |w| this.present_slope(w));
                     let asked = operators::laplacian(fields, i, local, &particles.pressure, &walls);
-                    *vain += asked * h / density - local.velocity_gradient.trace();
+                    *vain += asked * h / density - work.equations[i].divergence;
                     *vain += kept * last[i];
                 }
             }
@@ -110,7 +110,7 @@ impl Fluid {
             for (offset, near) in near.iter_mut().enumerate() {
                 let i = block * BLOCK + offset;
                 let around = || work.fluid.of(i).iter().any(|&j| reached(j as usize));
-                let has_equation = !work.on_surface[i] && work.locals[i].diagonal > 0.0;
+                let has_equation = !work.on_surface[i] && work.equations[i].diagonal > 0.0;
                 *near = has_equation && (reached(i) || around());
             }
         });
@@ -135,7 +135,7 @@ impl Fluid {
         blocks.enumerate().for_each(|(block, (rhs, solution))| {
             for (offset, (rhs, solution)) in rhs.iter_mut().zip(solution).enumerate() {
                 let i = block * BLOCK + offset;
-                let diagonal = work.locals[i].diagonal;
+                let diagonal = work.equations[i].diagonal;
                 let has_equation = !work.on_surface[i] && diagonal > 0.0;
                 let or_nought = |value: f64| if has_equation { [value] } else { [0.0] };
                 *rhs = or_nought(-scale * particles.vain_divergence[i] / diagonal);

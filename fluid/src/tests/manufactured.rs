@@ -6,7 +6,6 @@
 //! (Laplacian and pressure: over those off the surface), relative to that of the exact values.
 //! The table: `cargo test -p seakeep-fluid manufactured -- --nocapture`.
 
-use crate::fit;
 use crate::fluid::Fluid;
 use crate::krylov::{Krylov, Stop, System};
 use crate::network::Network;
@@ -89,8 +88,13 @@ fn tank(discretisation: Discretisation, rows: usize, jitter: f64) -> Fluid {
     for (x, u) in fluid.walls.position.iter().zip(&mut fluid.walls.velocity) {
         *u = velocity(x);
     }
-    fluid.operators();
+    fluid.assemble(exact_slope, |fluid, j| pressure(&fluid.work.position[j]));
     fluid
+}
+
+/// ∂p/∂n at wall particle `w`.
+fn exact_slope(fluid: &Fluid, w: usize) -> f64 {
+    fluid.walls.normal[w].dot(&gradient(&fluid.walls.position[w]))
 }
 
 /// Relative root mean square error of the pairs (found, exact).
@@ -109,30 +113,26 @@ fn errors(discretisation: Discretisation, rows: usize, jitter: f64) -> [f64; 4] 
     let spacing = fluid.setup.numerics.particle_spacing;
     let fields = Fluid::fields(&fluid.setup, &fluid.state.particles, &fluid.walls, &fluid.work);
     let position = fields.position;
-    let locals = &fluid.work.locals;
+    let (locals, equations) = (&fluid.work.locals, &fluid.work.equations);
     let exact: Vec<f64> = position.iter().map(pressure).collect();
-    let slope = |w: usize| fields.walls.normal[w].dot(&gradient(&fields.walls.position[w]));
-    let walls: Vec<_> = (0..position.len()).map(|i| operators::neumann(fields, i, slope)).collect();
     let gradients = (0..position.len()).flat_map(|i| {
-        let found = operators::gradient(fields, i, &locals[i], &exact, &walls[i]);
+        let walls = operators::neumann(fields, i, |w| exact_slope(&fluid, w));
+        let found = operators::gradient(fields, i, &locals[i], &exact, &walls);
         let exact = gradient(&position[i]);
         [(found.x, exact.x), (found.y, exact.y)]
     });
     let gradient_error = error(gradients);
-    let divergences = locals.iter().map(|local| local.velocity_gradient.trace());
+    let divergences = equations.iter().map(|equation| equation.divergence);
     let divergence_error = error(divergences.zip(position.iter().map(divergence)));
 
     let inner: Vec<usize> = (0..position.len()).filter(|&i| !fields.on_surface[i]).collect();
     // The known part of each row, as in Eq. (9b) with ∇²p given.
-    let known = |i: usize| {
-        fit::dot(&locals[i].pressure.laplacian, &walls[i]) / locals[i].diagonal
-            + operators::dirichlet(fields, i, &locals[i], |j| exact[j])
-    };
+    let known = |i: usize| equations[i].walls / equations[i].diagonal + equations[i].surface;
     let mut rhs = vec![[0.0]; position.len()];
     let mut values = vec![[0.0]; position.len()];
     for &i in &inner {
         values[i] = [exact[i]];
-        rhs[i] = [known(i) - spacing * spacing * laplacian(&position[i]) / locals[i].diagonal];
+        rhs[i] = [known(i) - spacing * spacing * laplacian(&position[i]) / equations[i].diagonal];
     }
     let mut product = values.clone();
     let sums = &mut Vec::new();
@@ -140,7 +140,7 @@ fn errors(discretisation: Discretisation, rows: usize, jitter: f64) -> [f64; 4] 
     let rows = 0..values.len();
     let _: [Entry<1>; 0] = matrix.multiply(rows, &values, &mut product, sums, |_, _, _| {});
     let laplacian_error = error(inner.iter().map(|&i| {
-        let found = (known(i) - product[i][0]) * locals[i].diagonal / (spacing * spacing);
+        let found = (known(i) - product[i][0]) * equations[i].diagonal / (spacing * spacing);
         (found, laplacian(&position[i]))
     }));
 
