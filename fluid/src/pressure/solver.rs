@@ -12,6 +12,7 @@ use crate::particles::permute;
 use crate::preconditioner::Preconditioner;
 use crate::sparse::{Entry, SparseMatrix};
 use nalgebra::Point2;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Duration;
@@ -138,12 +139,13 @@ impl Problem<'_> {
             Start::Given => {}
             Start::Cold => self.pressure.fill([0.0]),
             Start::Warm => {
-                let inner = self.change.iter().zip(self.fields.on_surface);
-                for (p, (change, on_surface)) in self.pressure.iter_mut().zip(inner) {
+                let inner = self.change.par_iter().zip(self.fields.on_surface);
+                let pressure = self.pressure.par_iter_mut().zip(inner).with_min_len(16 * BLOCK);
+                pressure.for_each(|(p, (change, on_surface))| {
                     if !on_surface {
                         p[0] += change;
                     }
-                }
+                });
             }
         }
     }
