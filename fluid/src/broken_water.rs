@@ -6,9 +6,10 @@
 //!
 //! Spray flies: it is no part of any fit, falls freely, and meets other water in collisions alone.
 
-use crate::neighbours::Neighbours;
+use crate::neighbours::{BLOCK, Neighbours};
 use crate::regularise::COLLISION_RANGE;
 use nalgebra::{Point2, Vector2};
+use rayon::prelude::*;
 
 /// A surface whose normal's vertical part is below this is about to overturn.
 const STEEPEST: f64 = 0.5;
@@ -82,13 +83,11 @@ impl Spray {
         let is_near = |i: usize, j: usize, range: f64| {
             (position[j] - position[i]).norm_squared() < (range * spacing).powi(2)
         };
-        self.is_spray.clear();
-        self.is_spray.extend((0..position.len()).map(|i| {
-            walls.of(i).len() < FEWEST_AROUND
-                && fluid.of(i).iter().filter(|&&j| is_near(i, j as usize, SIGHT)).count()
-                    + walls.of(i).len()
-                    < FEWEST_AROUND
-        }));
+        self.is_spray.resize(position.len(), false);
+        self.is_spray.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, is_spray)| {
+            let near = fluid.of(i).iter().filter(|&&j| is_near(i, j as usize, SIGHT));
+            *is_spray = walls.of(i).len() + near.take(FEWEST_AROUND).count() < FEWEST_AROUND;
+        });
         self.pairs.clear();
         if !self.is_spray.contains(&true) {
             return;

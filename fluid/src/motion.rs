@@ -18,6 +18,8 @@ const FILTER_RATE: f64 = 2.0;
 /// Part of the roughness that a step takes away at most.
 const MOST_FILTERED: f64 = 0.5;
 
+/// Particles that a task treats at least where next to nothing is done for each.
+const MANY: usize = 4 * BLOCK;
 /// Part of the particles that may be lost before a run counts as unstable.
 const MOST_LOST: f64 = 0.01;
 
@@ -66,18 +68,17 @@ impl Fluid {
         });
         let particles = &mut self.state.particles;
         // Eq. (12).
-        for ((x, old), new) in
-            particles.position.iter_mut().zip(&mut particles.velocity).zip(&velocity)
-        {
+        let moved = particles.position.par_iter_mut().zip(&mut particles.velocity).zip(&velocity);
+        moved.with_min_len(MANY).for_each(|((x, old), new)| {
             *x += (*old + new) * (0.5 * h);
             *old = *new;
-        }
+        });
         let memory = self.setup.pressure.solver.steps_of_change();
-        for (i, value) in pressure.iter().enumerate() {
-            let change = &mut particles.pressure_change[i];
-            *change += (value - particles.pressure[i] - *change) / memory;
-            particles.pressure[i] = *value;
-        }
+        let changed = particles.pressure.par_iter_mut().zip(&mut particles.pressure_change);
+        changed.zip(&pressure).with_min_len(MANY).for_each(|((last, change), value)| {
+            *change += (value - *last - *change) / memory;
+            *last = *value;
+        });
         particles.on_surface.copy_from_slice(&self.work.on_surface);
         self.state.wall_activity.copy_from_slice(&self.walls.activity);
         for (state, work) in self.state.unit_pressure.iter_mut().zip(&self.work.unit_solution) {
@@ -168,9 +169,8 @@ impl Fluid {
         let spacing = self.setup.numerics.particle_spacing;
         let most = self.filter_rate() * h;
         let particles = &mut self.state.particles;
-        for ((x, u), local) in
-            particles.position.iter_mut().zip(&mut particles.velocity).zip(&self.work.locals)
-        {
+        let all = particles.position.par_iter_mut().zip(&mut particles.velocity);
+        all.zip(&self.work.locals).with_min_len(MANY).for_each(|((x, u), local)| {
             *x += local.shift;
             let part = (most * local.filter).min(MOST_FILTERED);
             *x += local.surface_roughness * part;
@@ -178,7 +178,7 @@ impl Fluid {
             let (velocity, back) = regularise::collide(*u, local.contacts, spacing, h);
             *u = velocity;
             *x += back;
-        }
+        });
         self.keep_out(h);
     }
 

@@ -75,19 +75,17 @@ impl CellGrid {
         self.cell_of = cell_of;
     }
 
-    /// Calls `visit` for every point in the cells that touch the square of half-width one cell
-    /// around `centre`: all points within one cell size are among them.
+    /// The points, column by column, in the cells that touch the square of half-width one cell around
+    /// `centre`: all points within one cell size are among them.
     #[inline(always)]
-    pub(crate) fn candidates(&self, centre: &Point2<f64>, mut visit: impl FnMut(usize)) {
+    pub(crate) fn candidates(&self, centre: &Point2<f64>) -> impl Iterator<Item = &[u32]> {
         let (column, row) = self.cell_at(centre);
         let rows = row.saturating_sub(1)..(row + 2).min(self.rows);
-        for column in column.saturating_sub(1)..(column + 2).min(self.columns) {
+        (column.saturating_sub(1)..(column + 2).min(self.columns)).map(move |column| {
             let first = self.start[column * self.rows + rows.start] as usize;
             let last = self.start[column * self.rows + rows.end] as usize;
-            for &point in &self.points[first..last] {
-                visit(point as usize);
-            }
-        }
+            &self.points[first..last]
+        })
     }
 }
 
@@ -95,21 +93,37 @@ impl CellGrid {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lists {
     start: Vec<u32>,
+    /// The lists one after the other; what is beyond the last is of no meaning.
     index: Vec<u32>,
 }
 
 impl Lists {
     /// Starts anew.
-    pub(crate) fn clear(&mut self) {
+    fn clear(&mut self) {
         self.start.clear();
         self.start.push(0);
-        self.index.clear();
     }
 
-    /// Adds an entry to the list that is being written.
+    /// Adds a list of those of the `candidates` for which `keep` holds.
     #[inline(always)]
-    pub(crate) fn push(&mut self, neighbour: usize) {
-        self.index.push(neighbour as u32);
+    fn add<'a>(
+        &mut self,
+        candidates: impl Iterator<Item = &'a [u32]>,
+        keep: impl Fn(usize) -> bool,
+    ) {
+        let mut end = self.len();
+        for candidates in candidates {
+            if self.index.len() < end + candidates.len() {
+                self.index.resize(end + candidates.len(), 0);
+            }
+            // Every candidate is written, and the next one over it if it is not kept: whether it is cannot be
+            // foreseen, and a branch would often be taken in vain.
+            for &candidate in candidates {
+                self.index[end] = candidate;
+                end += usize::from(keep(candidate as usize));
+            }
+        }
+        self.start.push(end as u32);
     }
 
     /// Keeps those entries for which `keep(local, neighbour)` holds.
@@ -127,13 +141,6 @@ impl Lists {
             self.start[local + 1] = kept as u32;
             from = end;
         }
-        self.index.truncate(kept);
-    }
-
-    /// Ends the list that is being written.
-    #[inline(always)]
-    pub(crate) fn end_list(&mut self) {
-        self.start.push(self.index.len() as u32);
     }
 
     /// Where the list of the block's point `local` is among all.
@@ -144,7 +151,7 @@ impl Lists {
 
     /// Length of all lists together.
     pub(crate) fn len(&self) -> usize {
-        self.index.len()
+        self.start.last().map_or(0, |end| *end as usize)
     }
 
     /// The list of the block's point `local`.
@@ -177,13 +184,10 @@ impl Neighbours {
                 lists.clear();
                 for (local, centre) in centres.iter().enumerate() {
                     let own = block * BLOCK + local;
-                    grid.candidates(centre, |other| {
+                    lists.add(grid.candidates(centre), |other| {
                         let distance = (others[other] - centre).norm_squared();
-                        if distance < radius * radius && keep(own, other) {
-                            lists.push(other);
-                        }
+                        (distance < radius * radius) & keep(own, other)
                     });
-                    lists.end_list();
                 }
             },
         );

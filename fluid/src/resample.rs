@@ -11,9 +11,11 @@
 use crate::fluid::Fluid;
 use crate::free_surface::{self, Surroundings};
 use crate::geometry::signed_distance;
+use crate::neighbours::BLOCK;
 use crate::particles::permute;
 use crate::regularise::crowding;
 use nalgebra::{Point2, Vector2};
+use rayon::prelude::*;
 
 /// A wider gap between two surface particles, in spacings, gets a particle in its middle: before one of
 /// those below comes to the surface through it, which leaves a dent.
@@ -79,12 +81,16 @@ impl Fluid {
                 self.look_along(i, -1.0, &mut taken, &mut added);
             }
         }
-        for (i, taken) in taken.iter_mut().enumerate() {
-            if self.is_deep(i) && !*taken {
-                *taken = self.is_in_a_crowd(i);
+        // None is in a crowd and beside a hole.
+        for i in 0..taken.len() {
+            if self.has_few_around(i) && !taken[i] && self.is_deep(i) {
                 added.extend(self.beside_a_hole(i, &added));
             }
         }
+        let this = &*self;
+        taken.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(i, taken)| {
+            *taken = *taken || (this.is_in_a_crowd(i) && this.is_deep(i));
+        });
         for new in &added {
             self.add(new);
         }
@@ -168,6 +174,11 @@ impl Fluid {
             && !work.fluid.of(i).iter().any(|&j| work.on_surface[j as usize])
     }
 
+    /// Whether a hole may be beside particle `i`.
+    fn has_few_around(&self, i: usize) -> bool {
+        self.work.fluid.of(i).len() + self.work.wall_lists.of(i).len() <= FEW
+    }
+
     /// Whether particle `i` is the most crowded around, and too much so.
     fn is_in_a_crowd(&self, i: usize) -> bool {
         let work = &self.work;
@@ -190,9 +201,6 @@ impl Fluid {
             walls: &work.wall_lists,
             spacing,
         };
-        if work.fluid.of(i).len() + work.wall_lists.of(i).len() > FEW {
-            return None;
-        }
         let position = free_surface::hole(around, &self.walls, i)?;
         let is_clear = |x: &Point2<f64>| (x - position).norm() > CLEAR * spacing;
         let mut others = work.fluid.of(i).iter().map(|&j| j as usize);

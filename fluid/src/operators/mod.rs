@@ -293,19 +293,22 @@ pub(crate) fn divergences(
 
 /// Standard deviation of the particle density away from surface and walls, relative to its mean.
 pub(crate) fn density_deviation(fields: Fields) -> f64 {
-    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
-    for i in 0..fields.position.len() {
+    let density = |i: usize| {
         let list = fields.fluid.of(i);
         let surface = list.iter().any(|&j| fields.on_surface[j as usize]);
         if surface || fields.on_surface[i] || !fields.wall_lists.of(i).is_empty() {
-            continue;
+            return None;
         }
         let distance2 = |j: &u32| {
             (fields.position[*j as usize] - fields.position[i]).norm_squared()
                 / (fields.spacing * fields.spacing)
         };
-        let density: f64 =
-            fit::bell(0.0) + list.iter().map(|j| fit::bell(distance2(j))).sum::<f64>();
+        Some(fit::bell(0.0) + list.iter().map(|j| fit::bell(distance2(j))).sum::<f64>())
+    };
+    let particles = (0..fields.position.len()).into_par_iter().with_min_len(BLOCK);
+    let densities: Vec<Option<f64>> = particles.map(density).collect();
+    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+    for density in densities.into_iter().flatten() {
         sum += density;
         squares += density * density;
         count += 1.0;
