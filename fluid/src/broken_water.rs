@@ -138,10 +138,10 @@ mod tests {
         let mut grid = CellGrid::new(Point2::origin(), Point2::new(10.0, 6.0), 2.6);
         grid.sort(&position);
         let (mut fluid, mut walls) = (Neighbours::default(), Neighbours::default());
-        fluid.find(&position, &position, &grid, 2.6, |i, j| i != j);
+        fluid.find(&position, &grid, 2.6, |i, j| i != j);
         let mut no_walls = grid.clone();
         no_walls.sort(&[]);
-        walls.find(&position, &[], &no_walls, 2.6, |_, _| true);
+        walls.find(&position, &no_walls, 2.6, |_, _| true);
         let mut of_walls = fluid.clone();
         let mut spray = Spray::default();
         spray.part(&position, 1.0, &mut fluid, &walls, &mut of_walls);

@@ -264,9 +264,9 @@ impl Fluid {
         work.grid.sort(&work.position);
         work.wall_grid.sort(&self.walls.position);
         let (fluid, walls) = (&work.position, &self.walls.position);
-        work.fluid.find(fluid, fluid, &work.grid, radius, |i, j| i != j);
-        work.wall_lists.find(fluid, walls, &work.wall_grid, radius, |_, _| true);
-        work.fluid_of_walls.find(walls, fluid, &work.grid, radius, |_, _| true);
+        work.fluid.find(fluid, &work.grid, radius, |i, j| i != j);
+        work.wall_lists.find(fluid, &work.wall_grid, radius, |_, _| true);
+        work.fluid_of_walls.find(walls, &work.grid, radius, |_, _| true);
         let spacing = self.setup.numerics.particle_spacing;
         let lists = (&mut work.fluid, &work.wall_lists, &mut work.fluid_of_walls);
         work.spray.part(fluid, spacing, lists.0, lists.1, lists.2);

@@ -159,10 +159,10 @@ impl Frame {
         for (block, rows) in matrix.blocks.iter_mut().enumerate() {
             rows.clear();
             for i in block * BLOCK..((block + 1) * BLOCK).min(self.len()) {
-                for entry in self.row_start[i] as usize..self.row_start[i + 1] as usize {
-                    rows.push(self.column[entry], f64::from(self.value[entry]));
-                }
-                rows.end_row(f64::from(self.divisor[i]));
+                let range = self.row_start[i] as usize..self.row_start[i + 1] as usize;
+                let values = self.value[range.clone()].iter().map(|value| f64::from(*value));
+                let entries = self.column[range].iter().copied().zip(values);
+                rows.add_row(entries, f64::from(self.divisor[i]));
             }
         }
         matrix

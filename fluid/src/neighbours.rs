@@ -3,10 +3,14 @@
 
 use nalgebra::Point2;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Particles that one task treats. Blocks, not threads, cut the work and the sums, so that
 /// results do not depend on the number of threads.
 pub(crate) const BLOCK: usize = 256;
+
+/// Candidates whose distances are found together.
+const AT_ONCE: usize = 32;
 
 /// Points sorted into square cells.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +22,9 @@ pub(crate) struct CellGrid {
     /// First entry of each cell in `points`; one more than there are cells.
     start: Vec<u32>,
     points: Vec<u32>,
+    /// Coordinates of the `points`, m.
+    x: Vec<f64>,
+    y: Vec<f64>,
     cell_of: Vec<u32>,
 }
 
@@ -61,11 +68,16 @@ impl CellGrid {
             self.start[cell] += self.start[cell - 1];
         }
         self.points.resize(points.len(), 0);
+        self.x.resize(points.len(), 0.0);
+        self.y.resize(points.len(), 0.0);
         // Filled from the back, so that each cell lists its points in rising order.
         for (point, &cell) in cell_of.iter().enumerate().rev() {
             let end = &mut self.start[cell as usize + 1];
             *end -= 1;
-            self.points[*end as usize] = point as u32;
+            let entry = *end as usize;
+            self.points[entry] = point as u32;
+            self.x[entry] = points[point].x;
+            self.y[entry] = points[point].y;
         }
         // Each `start[cell + 1]` now is the first entry of `cell`: shift down by one.
         self.start.rotate_left(1);
@@ -75,16 +87,16 @@ impl CellGrid {
         self.cell_of = cell_of;
     }
 
-    /// The points, column by column, in the cells that touch the square of half-width one cell around
-    /// `centre`: all points within one cell size are among them.
+    /// Where `points` has those in the cells that touch the square of half-width one cell around
+    /// `centre`, column by column: all points within one cell size are among them.
     #[inline(always)]
-    pub(crate) fn candidates(&self, centre: &Point2<f64>) -> impl Iterator<Item = &[u32]> {
+    fn candidates(&self, centre: &Point2<f64>) -> impl Iterator<Item = Range<usize>> {
         let (column, row) = self.cell_at(centre);
         let rows = row.saturating_sub(1)..(row + 2).min(self.rows);
         (column.saturating_sub(1)..(column + 2).min(self.columns)).map(move |column| {
             let first = self.start[column * self.rows + rows.start] as usize;
             let last = self.start[column * self.rows + rows.end] as usize;
-            &self.points[first..last]
+            first..last
         })
     }
 }
@@ -93,7 +105,6 @@ impl CellGrid {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lists {
     start: Vec<u32>,
-    /// The lists one after the other; what is beyond the last is of no meaning.
     index: Vec<u32>,
 }
 
@@ -102,28 +113,39 @@ impl Lists {
     fn clear(&mut self) {
         self.start.clear();
         self.start.push(0);
+        self.index.clear();
     }
 
-    /// Adds a list of those of the `candidates` for which `keep` holds.
+    /// Adds the list of the points of `grid` within `radius` of `centre` for which `keep` holds.
     #[inline(always)]
-    fn add<'a>(
+    fn add(
         &mut self,
-        candidates: impl Iterator<Item = &'a [u32]>,
+        grid: &CellGrid,
+        centre: &Point2<f64>,
+        radius: f64,
         keep: impl Fn(usize) -> bool,
     ) {
-        let mut end = self.len();
-        for candidates in candidates {
-            if self.index.len() < end + candidates.len() {
-                self.index.resize(end + candidates.len(), 0);
-            }
-            // Every candidate is written, and the next one over it if it is not kept: whether it is cannot be
-            // foreseen, and a branch would often be taken in vain.
-            for &candidate in candidates {
-                self.index[end] = candidate;
-                end += usize::from(keep(candidate as usize));
+        let mut distance2 = [0.0; AT_ONCE];
+        let mut near = [0; AT_ONCE];
+        for candidates in grid.candidates(centre) {
+            for first in candidates.clone().step_by(AT_ONCE) {
+                let some = first..candidates.end.min(first + AT_ONCE);
+                let places = grid.x[some.clone()].iter().zip(&grid.y[some.clone()]);
+                for (distance2, (x, y)) in distance2.iter_mut().zip(places) {
+                    let (x, y) = (x - centre.x, y - centre.y);
+                    *distance2 = x * x + y * y;
+                }
+                // Every candidate is written, and the next one over it if it is not kept: whether it is cannot
+                // be foreseen, and a branch would often be taken in vain.
+                let mut count = 0;
+                for (&point, distance2) in grid.points[some].iter().zip(&distance2) {
+                    near[count % AT_ONCE] = point;
+                    count += usize::from((*distance2 < radius * radius) & keep(point as usize));
+                }
+                self.index.extend_from_slice(&near[..count]);
             }
         }
-        self.start.push(end as u32);
+        self.start.push(self.index.len() as u32);
     }
 
     /// Keeps those entries for which `keep(local, neighbour)` holds.
@@ -141,23 +163,47 @@ impl Lists {
             self.start[local + 1] = kept as u32;
             from = end;
         }
+        self.index.truncate(kept);
     }
 
     /// Where the list of the block's point `local` is among all.
     #[inline(always)]
-    pub(crate) fn range(&self, local: usize) -> std::ops::Range<usize> {
+    pub(crate) fn range(&self, local: usize) -> Range<usize> {
         self.start[local] as usize..self.start[local + 1] as usize
     }
 
     /// Length of all lists together.
     pub(crate) fn len(&self) -> usize {
-        self.start.last().map_or(0, |end| *end as usize)
+        self.index.len()
     }
 
     /// The list of the block's point `local`.
     #[inline(always)]
     pub(crate) fn of(&self, local: usize) -> &[u32] {
         &self.index[self.range(local)]
+    }
+}
+
+/// The search for the lists of a block.
+struct Search<'a, F> {
+    lists: &'a mut Lists,
+    centres: &'a [Point2<f64>],
+    block: usize,
+    grid: &'a CellGrid,
+    radius: f64,
+    keep: &'a F,
+}
+
+impl<F: Fn(usize, usize) -> bool> pulp::NullaryFnOnce for Search<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { lists, centres, block, grid, radius, keep } = self;
+        lists.clear();
+        for (own, centre) in (block * BLOCK..).zip(centres) {
+            lists.add(grid, centre, radius, |point| keep(own, point));
+        }
     }
 }
 
@@ -168,29 +214,22 @@ pub(crate) struct Neighbours {
 }
 
 impl Neighbours {
-    /// Finds, for each point of `centres`, the points of `others` within `radius` (at most the
-    /// cell size of `grid`, into which `others` is sorted) for which `keep(centre, other)` holds.
+    /// Finds, for each of `centres`, the points that are sorted into `grid` within `radius` (at most its
+    /// cell size) for which `keep(centre, point)` holds.
     pub(crate) fn find(
         &mut self,
         centres: &[Point2<f64>],
-        others: &[Point2<f64>],
         grid: &CellGrid,
         radius: f64,
         keep: impl Fn(usize, usize) -> bool + Sync,
     ) {
         self.blocks.resize_with(centres.len().div_ceil(BLOCK), Lists::default);
-        self.blocks.par_iter_mut().zip(centres.par_chunks(BLOCK)).enumerate().for_each(
-            |(block, (lists, centres))| {
-                lists.clear();
-                for (local, centre) in centres.iter().enumerate() {
-                    let own = block * BLOCK + local;
-                    lists.add(grid.candidates(centre), |other| {
-                        let distance = (others[other] - centre).norm_squared();
-                        (distance < radius * radius) & keep(own, other)
-                    });
-                }
-            },
-        );
+        // With the widest instructions that the processor has.
+        let arch = pulp::Arch::new();
+        let blocks = self.blocks.par_iter_mut().zip(centres.par_chunks(BLOCK)).enumerate();
+        blocks.for_each(|(block, (lists, centres))| {
+            arch.dispatch(Search { lists, centres, block, grid, radius, keep: &keep });
+        });
     }
 
     /// Keeps those neighbours for which `keep(centre, other)` holds.
@@ -232,7 +271,7 @@ mod tests {
         let mut grid = CellGrid::new(Point2::origin(), Point2::new(2.0, 1.0), 0.11);
         grid.sort(&points);
         let mut neighbours = Neighbours::default();
-        neighbours.find(&points, &points, &grid, 0.1, |i, j| i != j);
+        neighbours.find(&points, &grid, 0.1, |i, j| i != j);
         for (i, a) in points.iter().enumerate() {
             let mut found = neighbours.of(i).to_vec();
             found.sort_unstable();

@@ -82,8 +82,8 @@ impl Fluid {
             }
         }
         // None is in a crowd and beside a hole.
-        for i in 0..taken.len() {
-            if self.has_few_around(i) && !taken[i] && self.is_deep(i) {
+        for (i, taken) in taken.iter().enumerate() {
+            if self.has_few_around(i) && !taken && self.is_deep(i) {
                 added.extend(self.beside_a_hole(i, &added));
             }
         }

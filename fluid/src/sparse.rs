@@ -21,7 +21,6 @@ pub(crate) struct RowBlock {
     diagonal: Vec<f64>,
     /// What each row was divided by for its unit diagonal; nought for one without entries.
     divisor: Vec<f32>,
-    lost: f64,
     /// Least and largest column, the other way round where there is none.
     reach: (u32, u32),
 }
@@ -34,26 +33,32 @@ impl RowBlock {
         self.value.clear();
         self.diagonal.clear();
         self.divisor.clear();
-        self.lost = 0.0;
         self.reach = (u32::MAX, 0);
     }
 
+    /// Adds a row of these off-diagonal `entries`, column and value, that was divided by `divisor`, its
+    /// diagonal before. Returns how many there are.
     #[inline(always)]
-    pub(crate) fn push(&mut self, column: u32, value: f64) {
-        let rounded = value as f32;
-        self.column.push(column);
-        self.value.push(rounded);
-        self.lost += value - f64::from(rounded);
-        self.reach = (self.reach.0.min(column), self.reach.1.max(column));
-    }
-
-    /// Ends a row that was divided by `divisor`, its diagonal before.
-    #[inline(always)]
-    pub(crate) fn end_row(&mut self, divisor: f64) {
+    pub(crate) fn add_row(
+        &mut self,
+        entries: impl Iterator<Item = (u32, f64)>,
+        divisor: f64,
+    ) -> usize {
+        let before = self.column.len();
+        let (mut low, mut high) = self.reach;
+        let mut lost = 0.0;
+        for (column, value) in entries {
+            let rounded = value as f32;
+            self.column.push(column);
+            self.value.push(rounded);
+            lost += value - f64::from(rounded);
+            (low, high) = (low.min(column), high.max(column));
+        }
+        self.reach = (low, high);
         self.start.push(self.column.len() as u32);
-        self.diagonal.push(1.0 + self.lost);
+        self.diagonal.push(1.0 + lost);
         self.divisor.push(divisor as f32);
-        self.lost = 0.0;
+        self.column.len() - before
     }
 
     /// Columns and values of the off-diagonal entries of row `local`.

@@ -210,7 +210,7 @@ fn links(position: &[Point2<f64>], spacing: f64) -> Links {
     let mut grid = CellGrid::new(low, high, radius);
     grid.sort(position);
     let mut neighbours = Neighbours::default();
-    neighbours.find(position, position, &grid, radius, |i, j| i != j);
+    neighbours.find(position, &grid, radius, |i, j| i != j);
     let mut links = Links::default();
     links.find(position, spacing, |i| neighbours.of(i));
     links

@@ -230,15 +230,11 @@ impl Coarse {
             }
         });
         let mut blocks = vec![[0.0f64; CELL]; shape.nodes()];
-        // With the widest instructions that the processor has.
-        let arch = pulp::Arch::new();
         blocks.par_iter_mut().with_min_len(16).enumerate().for_each(|(cell, block)| {
             let corner = ((cell / shape.rows) as u32, (cell % shape.rows) as u32);
-            arch.dispatch(|| {
-                for &i in cells.of(cell) {
-                    add_row(&places.place, &weights, matrix, corner, i as usize, block);
-                }
-            });
+            for &i in cells.of(cell) {
+                add_row(&places.place, &weights, matrix, corner, i as usize, block);
+            }
         });
         let (n, band) = (shape.nodes(), shape.band());
         let width = 2 * band + 1;
@@ -258,7 +254,7 @@ impl Coarse {
             }
         }
         self.shape = shape;
-        arch.dispatch(|| eliminate(&mut rows, n, band));
+        eliminate(&mut rows, n, band);
         self.factors.clear();
         self.factors.extend(rows.iter().map(|&value| value as f32));
     }
@@ -345,7 +341,6 @@ fn add_row(
 /// node that few particles are near, under the surface or at a paddle, has an equation of next to
 /// nothing, and water that comes to it while the factors last would be answered with too large a
 /// pressure, the more so from step to step: its diagonal is raised. A node without any has none.
-#[inline(always)]
 fn eliminate(rows: &mut [f64], n: usize, band: usize) {
     let width = 2 * band + 1;
     let diagonals = || rows.chunks_exact(width).map(|row| row[band]).filter(|d| *d > 0.0);

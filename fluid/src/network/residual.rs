@@ -99,15 +99,11 @@ impl ResidualWeights {
         gates: &mut Vec<Gates>,
     ) {
         gates.resize(places.place.len(), Gates::default());
-        // With the widest instructions that the processor has.
-        let arch = pulp::Arch::new();
         gates.par_chunks_mut(BLOCK).enumerate().for_each(|(block, gates)| {
-            arch.dispatch(|| {
-                for (offset, gates) in gates.iter_mut().enumerate() {
-                    let i = block * BLOCK + offset;
-                    *gates = self.gates(features(matrix, places, walls(i), i));
-                }
-            });
+            for (offset, gates) in gates.iter_mut().enumerate() {
+                let i = block * BLOCK + offset;
+                *gates = self.gates(features(matrix, places, walls(i), i));
+            }
         });
     }
 }

@@ -108,16 +108,14 @@ pub(crate) fn assemble(
                         rows.values.coefficients()
                     }
                 };
-                if !fields.on_surface[i] && equation.diagonal > 0.0 {
+                if fields.on_surface[i] || equation.diagonal <= 0.0 {
+                    matrix.add_row(std::iter::empty(), equation.diagonal);
+                } else {
                     let scale = -1.0 / equation.diagonal;
-                    let mut below_surface = false;
-                    for (&j, a) in fields.fluid.of(i).iter().zip(coefficients) {
-                        if fields.on_surface[j as usize] {
-                            below_surface = true;
-                        } else {
-                            matrix.push(j, a * scale);
-                        }
-                    }
+                    let list = fields.fluid.of(i);
+                    let entries = list.iter().zip(coefficients).map(|(&j, a)| (j, a * scale));
+                    let inner = entries.filter(|(j, _)| !fields.on_surface[*j as usize]);
+                    let below_surface = matrix.add_row(inner, equation.diagonal) < list.len();
                     let walls = neumann(fields, i, &slope);
                     equation.walls = fit::dot(&local.pressure.laplacian, &walls);
                     if below_surface {
@@ -125,7 +123,6 @@ pub(crate) fn assemble(
                         equation.surface = sum / equation.diagonal;
                     }
                 }
-                matrix.end_row(equation.diagonal);
             }
         },
     );

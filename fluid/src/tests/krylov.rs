@@ -48,10 +48,8 @@ impl Grid {
                 }
             }
             let block = &mut matrix.blocks[row / BLOCK];
-            for (column, weight) in weights {
-                block.push(column, -weight / diagonal);
-            }
-            block.end_row(diagonal);
+            let entries = weights.into_iter().map(|(column, weight)| (column, -weight / diagonal));
+            block.add_row(entries, diagonal);
         }
         matrix
     }
