@@ -323,8 +323,8 @@ impl Fluid {
         self.assemble(Self::known_slope, Self::surface_pressure);
     }
 
-    /// The operators and equations for ∂p/∂n of the walls, `slope` (Pa/m), and the pressure of the surface's
-    /// particles, `surface_pressure` (Pa).
+    /// The operators, and the equations for walls with ∂p/∂n = `slope(w)` (Pa/m) and surface particles
+    /// of `surface_pressure(j)` (Pa): those of the water, or of a manufactured solution.
     pub(crate) fn assemble(
         &mut self,
         slope: impl Fn(&Self, usize) -> f64 + Sync,

@@ -18,8 +18,9 @@ const FILTER_RATE: f64 = 2.0;
 /// Part of the roughness that a step takes away at most.
 const MOST_FILTERED: f64 = 0.5;
 
-/// Particles that a task treats at least where next to nothing is done for each.
+/// Fewest particles of a task in a loop that does next to nothing for each.
 const MANY: usize = 4 * BLOCK;
+
 /// Part of the particles that may be lost before a run counts as unstable.
 const MOST_LOST: f64 = 0.01;
 

@@ -135,8 +135,8 @@ impl Lists {
                     let (x, y) = (x - centre.x, y - centre.y);
                     *distance2 = x * x + y * y;
                 }
-                // Every candidate is written, and the next one over it if it is not kept: whether it is cannot
-                // be foreseen, and a branch would often be taken in vain.
+                // Each is written, over the last one if that was not kept: a branch would often be
+                // foreseen wrongly. The remainder changes nothing and spares a check.
                 let mut count = 0;
                 for (&point, distance2) in grid.points[some].iter().zip(&distance2) {
                     near[count % AT_ONCE] = point;
@@ -215,7 +215,7 @@ pub(crate) struct Neighbours {
 
 impl Neighbours {
     /// Finds, for each of `centres`, the points that are sorted into `grid` within `radius` (at most its
-    /// cell size) for which `keep(centre, point)` holds.
+    /// cell size) for which `keep(centre, point)` holds, which all candidates are asked for.
     pub(crate) fn find(
         &mut self,
         centres: &[Point2<f64>],

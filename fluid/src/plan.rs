@@ -16,7 +16,7 @@ pub enum Stage {
     FreeSurface,
     /// Which wall particles bound the water, and by how much.
     WettedWalls,
-    /// Quadratic fits: divergence, rows of the pressure equation, shifts.
+    /// Quadratic fits: divergence, pressure equations but for their source, shifts.
     Operators,
     /// The viscous term of Eq. (7).
     Viscosity,

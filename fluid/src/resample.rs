@@ -81,7 +81,7 @@ impl Fluid {
                 self.look_along(i, -1.0, &mut taken, &mut added);
             }
         }
-        // None is in a crowd and beside a hole.
+        const { assert!(FEW < USUAL, "no particle is in a crowd and beside a hole") };
         for (i, taken) in taken.iter().enumerate() {
             if self.has_few_around(i) && !taken && self.is_deep(i) {
                 added.extend(self.beside_a_hole(i, &added));
@@ -191,8 +191,8 @@ impl Fluid {
         list(i).len() > USUAL && own() > CROWDED && list(i).all(|j| (crowding(j), j) < (own(), i))
     }
 
-    /// The particle that the hole beside particle `i` gets, if there is one that none of those
-    /// `added` has filled.
+    /// The particle that the hole beside particle `i`, which has few around, gets, if there is one that
+    /// none of those `added` has filled.
     fn beside_a_hole(&self, i: usize, added: &[Added]) -> Option<Added> {
         let (work, spacing) = (&self.work, self.setup.numerics.particle_spacing);
         let around = Surroundings {

@@ -1,5 +1,5 @@
-//! The operators of a step: around each particle the divergence of the velocity, the row of the
-//! pressure equation, the gradient functional and the shift.
+//! The operators of a step: around each particle the divergence of the velocity, the pressure equation
+//! but for its source, the gradient functional and the shift.
 //!
 //! Two discretisations give them, second-order fits ([`quadratic`]) and conventional kernel sums
 //! ([`conventional`]). Either says with which weight and row of five numbers a neighbour's
@@ -45,7 +45,7 @@ pub(crate) struct Local {
 }
 
 /// What a particle's pressure equation has beside its row: all that is read of every particle where
-/// right-hand sides are made, apart from the much larger [`Local`].
+/// right-hand sides are made, and so kept apart from the much larger [`Local`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Equation {
     /// Sum of the off-diagonal coefficients before the row was scaled by it; zero for a particle
@@ -55,9 +55,9 @@ pub(crate) struct Equation {
     pub(crate) divergence: f64,
     /// Density of the particles around it relative to a lattice's; 1 on the surface.
     pub(crate) crowding: f64,
-    /// What the known ∂p/∂n of the walls adds to dx² ∇²p, Pa.
+    /// What the known ∂p/∂n of the walls adds to dx² ∇²p, Pa; not divided by the diagonal yet.
     pub(crate) walls: f64,
-    /// What the pressure of the surface neighbours adds to the particle's own, Pa.
+    /// What the pressure of the surface neighbours adds to the particle's own, Pa; divided by it.
     pub(crate) surface: f64,
 }
 
@@ -90,8 +90,8 @@ pub(crate) fn assemble(
     scratch.resize_with(blocks, Scratch::default);
     matrix.blocks.resize_with(blocks, Default::default);
     let arch = pulp::Arch::new();
-    let found = locals.par_chunks_mut(BLOCK).zip(equations.par_chunks_mut(BLOCK));
-    found.zip(scratch.par_iter_mut().zip(&mut matrix.blocks)).enumerate().for_each(
+    let particles = locals.par_chunks_mut(BLOCK).zip(equations.par_chunks_mut(BLOCK));
+    particles.zip(scratch.par_iter_mut().zip(&mut matrix.blocks)).enumerate().for_each(
         |(block, ((locals, equations), (scratch, matrix)))| {
             let plain = &mut scratch.plain;
             // With the widest instructions that the processor has.
@@ -201,7 +201,7 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> (Local, Equation) {
     };
     let velocity = derivatives.velocity;
     let (shift, crowding) = regularise::shift(fields, i, rows);
-    let (mut local, equation) = found(fields, derivatives, shift, crowding);
+    let (mut local, equation) = in_units(fields, derivatives, shift, crowding);
     if let Some(singular) = &rows.singular {
         let corner = &fields.walls.corners[singular.corner as usize];
         let scale = 1.0 / fields.spacing;
@@ -221,9 +221,9 @@ fn evaluate(fields: Fields, i: usize, rows: &mut Rows) -> (Local, Equation) {
     (local, equation)
 }
 
-/// What follows from the `derivatives` and the `shift` (spacings), away from walls and surface.
+/// What follows from the `derivatives` and the `shift` (both in spacings), away from walls and surface.
 #[inline(always)]
-fn found(
+fn in_units(
     fields: Fields,
     derivatives: Derivatives,
     shift: Vector2<f64>,

@@ -1,7 +1,7 @@
 //! The operators away from walls and off the surface, where nothing but the neighbours counts: a few
 //! particles at a time, side by side in the processor's vector registers.
 
-use super::{Derivatives, Equation, Local, found};
+use super::{Derivatives, Equation, Local, in_units};
 use crate::fields::Fields;
 use crate::fit::{self, Columns, Moments, PressureFit, Quality};
 use crate::lanes::{LANES, Lanes, Number};
@@ -117,8 +117,7 @@ fn evaluate(
             };
             let push = Vector2::new(push[0].0[k], push[1].0[k]);
             let (shift, crowding) = regularise::inner_shift(push, closeness.0[k]);
-            let found = found(fields, derivatives, shift, crowding);
-            (locals[offset], equations[offset]) = found;
+            (locals[offset], equations[offset]) = in_units(fields, derivatives, shift, crowding);
         }
     }
 }
