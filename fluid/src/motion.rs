@@ -4,7 +4,7 @@ use crate::error::FluidError;
 use crate::fit;
 use crate::fluid::Fluid;
 use crate::geometry::{nearest_on_outline, placed_corners, signed_area, signed_distance};
-use crate::neighbours::BLOCK;
+use crate::neighbours::{BLOCK, MANY};
 use crate::operators::{self, Local};
 use crate::plan::Stage;
 use crate::regularise;
@@ -17,9 +17,6 @@ const FILTER_RATE: f64 = 2.0;
 
 /// Part of the roughness that a step takes away at most.
 const MOST_FILTERED: f64 = 0.5;
-
-/// Fewest particles of a task in a loop that does next to nothing for each.
-const MANY: usize = 4 * BLOCK;
 
 /// Part of the particles that may be lost before a run counts as unstable.
 const MOST_LOST: f64 = 0.01;

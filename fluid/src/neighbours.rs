@@ -9,6 +9,9 @@ use std::ops::Range;
 /// results do not depend on the number of threads.
 pub(crate) const BLOCK: usize = 256;
 
+/// Fewest particles of a task in a loop that does next to nothing for each.
+pub(crate) const MANY: usize = 4 * BLOCK;
+
 /// Candidates whose distances are found together.
 const AT_ONCE: usize = 32;
 
@@ -268,18 +271,23 @@ mod tests {
                 )
             })
             .collect();
-        let mut grid = CellGrid::new(Point2::origin(), Point2::new(2.0, 1.0), 0.11);
-        grid.sort(&points);
         let mut neighbours = Neighbours::default();
-        neighbours.find(&points, &grid, 0.1, |i, j| i != j);
-        for (i, a) in points.iter().enumerate() {
-            let mut found = neighbours.of(i).to_vec();
-            found.sort_unstable();
-            let all: Vec<u32> = (0..points.len())
-                .filter(|&j| j != i && (points[j] - a).norm() < 0.1)
-                .map(|j| j as u32)
-                .collect();
-            assert_eq!(found, all, "point {i}");
+        // The wider radius has more candidates in a column than are looked at at once.
+        for (radius, most) in [(0.1, 1..=AT_ONCE), (0.3, AT_ONCE + 1..=points.len())] {
+            let mut grid = CellGrid::new(Point2::origin(), Point2::new(2.0, 1.0), 1.1 * radius);
+            grid.sort(&points);
+            neighbours.find(&points, &grid, radius, |i, j| i != j);
+            let column = points.iter().flat_map(|x| grid.candidates(x)).map(|range| range.len());
+            assert!(most.contains(&column.max().unwrap_or(0)), "{most:?}");
+            for (i, a) in points.iter().enumerate() {
+                let mut found = neighbours.of(i).to_vec();
+                found.sort_unstable();
+                let all: Vec<u32> = (0..points.len())
+                    .filter(|&j| j != i && (points[j] - a).norm() < radius)
+                    .map(|j| j as u32)
+                    .collect();
+                assert_eq!(found, all, "point {i}");
+            }
         }
         let all = neighbours.clone();
         neighbours.retain(|i, j| i % 3 > 0 && j % 5 > 0);

@@ -5,7 +5,7 @@ use crate::error::FluidError;
 use crate::fields::Fields;
 use crate::frame::Scales;
 use crate::krylov::{Stop, System};
-use crate::neighbours::BLOCK;
+use crate::neighbours::{BLOCK, MANY};
 use crate::network::lattice::{self, Coarse, Places};
 use crate::network::residual::{Gates, Level};
 use crate::particles::permute;
@@ -140,7 +140,7 @@ impl Problem<'_> {
             Start::Cold => self.pressure.fill([0.0]),
             Start::Warm => {
                 let inner = self.change.par_iter().zip(self.fields.on_surface);
-                let pressure = self.pressure.par_iter_mut().zip(inner).with_min_len(16 * BLOCK);
+                let pressure = self.pressure.par_iter_mut().zip(inner).with_min_len(MANY);
                 pressure.for_each(|(p, (change, on_surface))| {
                     if !on_surface {
                         p[0] += change;
